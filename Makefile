@@ -28,7 +28,7 @@ arch ?= $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),x86-64-v3,armv8-a)
 submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 dir := build/$(config)
-layers := engine/core engine/gl maps/building maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
+layers := engine/core engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
           maps/doom maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show engine/sim engine/tour \

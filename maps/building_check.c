@@ -498,6 +498,9 @@ static void check_materials_and_storeys(Check *c) {
             check_fault(c, "material %d (%s): alpha %g (allowed 0 to 1)", i, text_of(m->name),
                         (double)m->alpha);
         }
+        if (!index_good(m->spread, b->spread_count + (b->spread_count == 0)))
+            check_fault(c, "material %d (%s): spread %d of %d", i, text_of(m->name), m->spread,
+                        b->spread_count);
         // Entry 0 is "none", also where there are no entries.
         if (!index_good(m->texture, b->texture_count + (b->texture_count == 0)) ||
             !index_good(m->texture_map, b->texture_map_count + (b->texture_map_count == 0))) {
@@ -623,6 +626,9 @@ static void check_lights_and_views(Check *c) {
         if (l->object != -1 && !index_good(l->object, b->object_count)) {
             check_fault(c, "light %d (%s): object %d of %d", i, text_of(l->name), l->object, b->object_count);
         }
+        if (!index_good(l->photometry, b->photometry_count + (b->photometry_count == 0)) || !good(l->turn))
+            check_fault(c, "light %d (%s): table %d of %d, turned by %g", i, text_of(l->name), l->photometry,
+                        b->photometry_count, l->turn);
     }
     for (int i = 0; i < b->viewpoint_count + b->tour_point_count; i++) {
         bool stored = i < b->viewpoint_count;

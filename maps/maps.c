@@ -7,6 +7,7 @@
 #include <strings.h>
 
 #include "engine/core/memory.h"
+#include "maps/photometry/photometry_file.h"
 #include "maps/polygons/soup_doors.h"
 #include "maps/polygons/soup_split.h"
 
@@ -71,6 +72,7 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
     out->source = arena_string(arena, path);
     out->hash = file_hash(content.data, content.size, out->hash);
     if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
+    if (!photometry_of_lamps(path, arena, out, error)) return false;
     if (out->form == FORM_SOUP) {
         soup_find_doors(arena, out);
         if (memory_within(error)) soup_split(arena, out);

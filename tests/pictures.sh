@@ -30,7 +30,13 @@ rm -rf build/pictures/film
 ffmpeg -loglevel error -y -framerate 10 -i build/pictures/film/frame-%05d.png -t 16 -vf "fps=8,scale=360:-1:flags=lanczos,\
 split[a][b];[a]palettegen=max_colors=128:stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=5:diff_mode=rectangle" \
     tests/pictures/walk.gif
-"$build/enfilade" bake build/maps/house.plan -o build/pictures/house.rad
+"$build/enfilade" bake build/maps/house.plan --lamps each -o build/pictures/house.rad
+shot=0
+for lamps in on off,table-lamp=on off,hall=on 'off,floor-lamp=60%#ff7030,globe-lamp=on'; do
+    "$build/enfilade" walk build/maps/house.plan --light build/pictures/house.rad --lamps "$lamps" \
+    --size 800x450 --offscreen build/pictures/lamps-$((shot += 1)) --tour living
+done
+montage build/pictures/lamps-[1-4]/frame-00000.png -tile 2x2 -geometry 480x270+2+2 -depth 8 -colors 96 tests/pictures/lamps.png
 for view in living bedroom kitchen; do
     "$build/enfilade" walk build/maps/house.plan --light build/pictures/house.rad \
     --size 800x450 --offscreen build/pictures/baked-$view --tour $view

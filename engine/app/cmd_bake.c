@@ -13,8 +13,10 @@
 #include "engine/core/file.h"
 #include "engine/scene/bake_mesh.h"
 #include "engine/scene/light.h"
+#include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
+#include "radiosity/show/each_lamp.h"
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
 #include "radiosity/show/shown.h"
@@ -26,7 +28,8 @@ typedef struct BakeArguments {
     const char *file;
     // .rad and .glb, NULL: none; both NULL: a .rad into the cache
     const char *out, *model;
-    bool final_gather, resume, json;
+    // `each`: the light of each lamp by itself, too.
+    bool final_gather, resume, json, each;
     // The limit of the whole bake, seconds; 0: none.
     double seconds;
     Probes probes;
@@ -57,9 +60,10 @@ typedef struct Bake {
     RadSolution shown, probed_light;
     RadOptions rad;  // as asked for, or as fits the mesh
     RadReport report;
+    DirectSources *sources;     // of the light of each lamp, or NULL
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
     double start;               // of all, on the clock
-    double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, direct_seconds, seconds;
+    double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, direct_seconds, each_seconds, seconds;
     bool even,
         unlit;  // a limit of time gave up a mesh that follows the light, or the light straight from lamps
 } Bake;
@@ -119,6 +123,7 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     bake->mesh_seconds = clock_seconds() - start;
     bake->rad = bake->a->bake.rad;
     if (!good) return false;
+    bake->mesh = scene_lit_mesh(&bake->scene, &bake->mesh, arena);
     bool fits = bake->rad.row_bytes == RAD_ROWS_FIT;
     rad_fit(&bake->mesh, &bake->rad);
     if (fits && bake->a->load.memory > 0 && bake->rad.row_bytes > bake->a->load.memory / 4)
@@ -165,14 +170,26 @@ static bool shine(Bake *bake, Error *error) {
     return error_set(error, "nothing emits light, and no daylight comes in");
 }
 
+// Light of each lamp goes when light is shot on: it is found anew.
+static bool light_check_resumed(Bake *bake, Error *error) {
+    RadSolution *s = &bake->solution;
+    if (!light_take_lamps(bake->earlier, &bake->scene, s, error)) return false;
+    s->each = NULL;
+    s->each_count = 0;
+    return true;
+}
+
 static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
-               light_check_day(bake->earlier, &bake->solution, &bake->scene.day, error);
+               light_check_day(bake->earlier, &bake->solution, &bake->scene.day, error) &&
+               light_check_resumed(bake, error);
     bool day = daylight_shines(&bake->scene.day);
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
                     : rad_start(&bake->mesh, arena, &bake->solution, error);
     if (good && day) good = shine(bake, error);
+    bake->solution.lit = bake->scene.lit;
+    bake->solution.lamp_count = bake->scene.lamps.count;
     if (good) return true;
     Error reason = *error;
     return error_set(error, "%s: %.900s", bake->a->file, reason.text);
@@ -182,8 +199,8 @@ static bool begin_light(Bake *bake, Arena *arena, Error *error) {
 static void show_direct(Bake *bake, Arena *arena) {
     Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
     Progress progress = {report_timed, &timed};
-    bool whole = direct_show(&bake->mesh, &bake->scene.forest, bake->doors, bake->rad.threads, &progress,
-                             arena, &bake->solution, &bake->report);
+    bool whole = direct_show_apart(&bake->mesh, &bake->scene.forest, bake->doors, bake->rad.threads,
+                                   &progress, arena, &bake->solution, bake->sources, &bake->report);
     app_progress_end();
     bake->unlit = !whole && timed.over;
     bake->report.stopped = !whole && !timed.over;
@@ -213,6 +230,25 @@ static void gather_nodes(Bake *bake, Arena *arena) {
     bake->report.stopped = !whole && !timed.over;
     bake->gather_seconds = clock_seconds() - timed.start;
     arena_free(&scratch);
+}
+
+// The light of each lamp, along the rows of all light.
+static void find_each(Bake *bake, Arena *arena) {
+    RadSolution *s = &bake->solution;
+    if (bake->report.stopped || bake->unlit || !s->gathered || !s->node) {
+        app_warn("the light of each lamp is not known: light was not shot and shown to the end");
+        return;
+    }
+    Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
+    Progress progress = {report_timed, &timed};
+    EachLamp each = {&bake->mesh, &bake->scene.lamps, &bake->scene.forest,
+                     bake->doors, &bake->rad,         bake->sources};
+    bool whole = each_lamp_find(&each, &progress, arena, s);
+    app_progress_end();
+    if (!whole && timed.over)
+        app_warn("the light of each lamp is not known: there was not time enough (--seconds S allows more)");
+    bake->report.stopped = !whole && !timed.over;
+    bake->each_seconds = clock_seconds() - timed.start;
 }
 
 // The model is lit on the mesh that shows the light; probes read the elements that light was found on.
@@ -261,8 +297,18 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
         !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
         !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin_light(bake, arena, error))
         return false;
+    if (a->each) {
+        bake->rad.rows = shoot_rows_new(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad,
+                                        &bake->solution.day, arena);
+        bake->sources = each_lamp_sources(&bake->mesh, &bake->scene.lamps, bake->rad.threads, arena);
+    }
     shoot_light(bake);
     gather_nodes(bake, arena);
+    if (a->each) {
+        find_each(bake, arena);
+        direct_sources_end(bake->sources);
+        shoot_rows_end(bake->rad.rows);
+    }
     return light_fine(bake, arena, error) && store(bake, error);
 }
 
@@ -313,6 +359,10 @@ static json_t *facts_of(const Bake *bake) {
         daylight_shines(&s->day) ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);
+    json_object_set_new(facts, "lamps", json_integer(bake->scene.lamps.count));
+    json_object_set_new(facts, "lamps_known", json_integer(s->each ? s->lamp_count : 0));
+    json_object_set_new(facts, "lamps_mb", json_real((double)each_lamp_bytes(s) / (1 << 20)));
+    json_object_set_new(facts, "seconds_lamps", json_real(bake->each_seconds));
     json_object_set_new(facts, "fill_lamps", json_integer(bake->scene.building.fill_lamps));
     add_proxies(facts, bake->mesh.options.proxies);
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
@@ -494,6 +544,7 @@ static int take_probes(const char *file, void *arguments, Error *error) {
 #define AT(field) offsetof(Arguments, to.field)
 static const Option ROWS[] = {
     OPTION_MAP(AT(load.map)),
+    OPTION_PHOTOMETRY(AT(load.photometry)),
     {.name = "o",
      .value = "OUT.rad",
      .type = OPTION_OTHER,
@@ -513,6 +564,8 @@ static const Option ROWS[] = {
      .help = "@ (default drawn)"},
     OPTION_DAYLIGHT(AT(load.day), "the default"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
+    OPTION_LAMPS(AT(load.lamp_state),
+                 "; or `each`: the light of each lamp by itself, so that a walk can switch them"),
     {.name = "element",
      .value = "M",
      .type = OPTION_NUMBER,
@@ -657,6 +710,10 @@ static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {
     if (a->no_cull) b->bake.rad.culling = CULL_NONE;
     b->load.vis.threads = b->bake.rad.threads;
     if ((code = app_check_day("bake", &b->load.day)) != APP_GOOD) return code;
+    b->each = b->load.lamp_state && strcmp(b->load.lamp_state, "each") == 0;
+    if (b->each) b->load.lamp_state = NULL;
+    if (b->each && b->final_gather)
+        return app_misuse("bake", "bake: --lamps each: light of each lamp is not gathered by --final-gather");
     if (b->bake.rad.form_factor.hidden && strcmp(b->bake.rad.method->name, "hemicube") != 0)
         return app_misuse("bake", "bake: --hidden fills the sides of a hemicube: give --method hemicube");
     return APP_GOOD;

@@ -28,6 +28,7 @@ typedef struct Arguments {
 static const Option ROWS[] = {
     {.type = OPTION_HEADING, .help = "In both:"},
     OPTION_MAP(AT(load.map)),
+    OPTION_PHOTOMETRY(AT(load.photometry)),
     OPTION_MEMORY(
         AT(load.memory),
         "what fits the file to open it, then three quarters of the machine's; OpenGL's own is not counted"),
@@ -55,6 +56,7 @@ static const Option ROWS[] = {
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
     OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
+    OPTION_LAMPS(AT(load.lamp_state), ""),
     {.name = "false-colour",
      .value = "Q",
      .type = OPTION_NAME,

@@ -129,6 +129,12 @@ static bool read_size(const char *text, const Option *row, int size[2]) {
            size[0] <= row->high && size[1] >= row->low && size[1] <= row->high;
 }
 
+static bool add_text(const char *text, TextList *list) {
+    if (list->count == TEXT_LIST) return false;
+    list->text[list->count++] = text;
+    return true;
+}
+
 static bool read_choice(const char *text, const Option *row, int *out) {
     for (int i = 0; i < row->name_count; i++) {
         if (strcmp(row->names[i], text) != 0) continue;
@@ -181,6 +187,8 @@ static bool take_value(const Option *row, const char *text, void *at) {
         return read_place(text, at);
     case OPTION_NAME:
         return read_choice(text, row, at);
+    case OPTION_TEXTS:
+        return add_text(text, at);
     case OPTION_OUTPUT:
         *(const char **)at = text;
         return options_ending(text, row->names, row->name_count) >= 0;
@@ -194,6 +202,9 @@ static bool take_value(const Option *row, const char *text, void *at) {
 static void print_allowed(const Option *row, char *out, size_t size) {
     int used = 0;
     switch (row->type) {
+    case OPTION_TEXTS:
+        snprintf(out, size, "up to %d", TEXT_LIST);
+        break;
     case OPTION_SIZE:
         snprintf(out, size, "WxH, %.10g to %.10g each", row->low, row->high);
         break;

@@ -5,6 +5,7 @@
 
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
+#include "engine/core/text.h"
 #include "engine/scene/day.h"
 
 // Exit codes.
@@ -22,6 +23,7 @@ typedef struct Option {
     enum {
         OPTION_FLAG,       // bool; there is no value
         OPTION_TEXT,       // const char *
+        OPTION_TEXTS,      // TextList: the option may be repeated
         OPTION_OUTPUT,     // const char *: a file to write, whose ending, if it has one, is among `names`
         OPTION_INT,        // int, low to high
         OPTION_SEED,       // uint64_t, low to high
@@ -91,6 +93,12 @@ int options_ending(const char *path, const char *const *endings, int count);
         .name = "map", .value = "NAME", .type = OPTION_TEXT, .at = (field),                                  \
         .help = "one map of a file that holds several (default: the first)"                                  \
     }
+#define OPTION_PHOTOMETRY(field)                                                                             \
+    {                                                                                                        \
+        .name = "photometry", .value = "NAME=FILE", .type = OPTION_TEXTS, .at = (field),                     \
+        .help = "lamps of this name send their light as the photometric file says, IES or EULUMDAT (.ldt); " \
+                "may be given for several names"                                                             \
+    }
 #define OPTION_MEMORY(field, text)                                                                           \
     {                                                                                                        \
         .name = "memory", .value = "MB", .type = OPTION_MEGABYTES, .at = (field), .low = 16,                 \
@@ -153,6 +161,14 @@ int options_ending(const char *path, const char *const *endings, int count);
         .names = FILL_LAMPS_NAMES, .name_count = FILL_LAMPS_STATES,                                          \
         .help = "plain ceiling lamps in rooms that no lamp lights, by day in rooms without windows: @ "      \
                 "(default on)"                                                                               \
+    }
+#define OPTION_LAMPS(field, more)                                                                            \
+    {                                                                                                        \
+        .name = "lamps", .value = "SPEC", .type = OPTION_TEXT, .at = (field),                                \
+        .help = "which lamps are on: parts WHO=STATE with commas between them, or @FILE, a part a line; "    \
+                "WHO is a number of `info --lamps`, a lamp, a room or `all`, STATE is `on`, `off`, a share " \
+                "as 0.4 or 40%, a colour as #ffd8a8, or both as 40%#ffd8a8; without `=` all are meant" more  \
+                " (default on)"                                                                              \
     }
 #define OPTION_JSON(field)                                                                                   \
     { .name = "json", .type = OPTION_FLAG, .at = (field), .help = "one JSON object on standard output" }

@@ -12,6 +12,13 @@ typedef struct Text {
     size_t size, capacity;
 } Text;
 
+// Texts that are given one by one, as by an option that may be repeated.
+enum { TEXT_LIST = 64 };
+typedef struct TextList {
+    const char *text[TEXT_LIST];
+    int count;
+} TextList;
+
 void text_append(Text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

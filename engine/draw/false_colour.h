@@ -4,15 +4,6 @@
 
 #include "maps/building/building.h"
 
-// The one rule by which three channels become one number. Power, W/m^2, is the sum of the channels. A luminous quantity weights
-// each channel by its share in luminance (ITU-R BT.709), at 683 lm/W (the definition of the candela).
-#define LIGHT_LUMINOUS 0.2126, 0.7152, 0.0722
-#define LIGHT_LUMENS_PER_WATT 683.0
-static inline double light_luminous(const double w[3]) {
-    const double share[3] = {LIGHT_LUMINOUS};
-    return share[0] * w[0] + share[1] * w[1] + share[2] * w[2];
-}
-
 typedef enum FalseColour {
     FALSE_COLOUR_OFF,
     FALSE_COLOUR_RADIOSITY,    // light that leaves a surface, W/m^2

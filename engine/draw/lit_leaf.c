@@ -31,7 +31,7 @@ static void add_polygon(const LitMesh *lit, const LitLight *light, int polygon, 
                         AmbientCube *cube) {
     const Mesh *mesh = lit->mesh;
     int f = mesh->face_of[polygon];
-    if (f < 0 || mesh_emits(mesh, f)) return;
+    if (f < 0 || mesh_is_lamp(mesh, f)) return;
     const Face *face = &mesh->faces[f];
     const double n[3] = {face->plane.n.x, face->plane.n.y, face->plane.n.z};
     int vertex = lit->first_vertex[polygon];

@@ -138,6 +138,7 @@ static void count_all(LitMesh *lit, Arena *arena) {
     lit->source = ARENA_ARRAY(arena, int, vertices + 1);
     lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
     lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
+    lit->lamp = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
     lit->spot = arena_alloc(arena, (size_t)(lit->mesh->element_count + 1), sizeof *lit->spot);
 }
 
@@ -202,6 +203,7 @@ LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
             if (mesh->face_of[p] < 0) continue;
             lit->plane[p] = mesh->faces[mesh->face_of[p]].plane;
+            if (mesh_is_lamp(mesh, mesh->face_of[p])) lit->lamp[lit->lamp_count++] = p;
             arena_reset(&scratch);
             fill_elements(lit, p, leaf, twins[mesh->face_of[p]], &scratch);
             if (leaf) fill_leaf(lit, p);
@@ -217,6 +219,7 @@ LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
 LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
     return (LitLight){.vertex =
                           arena_alloc(arena, (size_t)lit_vertex_count(lit) + 1, sizeof *(LitLight){0}.vertex),
+                      .on = ARENA_ARRAY(arena, bool, lit->lamp_count + 1),
                       .luminous = ARENA_ARRAY(arena, float, lit->mesh->element_count + 1)};
 }
 
@@ -265,6 +268,8 @@ void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *o
         const double *from = at < 0 ? light.face[-1 - at] : light.corner[at];
         for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
     }
+    for (int i = 0; i < lit->lamp_count; i++)
+        out->on[i] = mesh_emits(lit->mesh, lit->mesh->face_of[lit->lamp[i]]);
     // False colours are of the light at vertices.
     RadSolution even = reconstruct_even(lit->mesh, solution, &scratch);
     out->day = solution->day;

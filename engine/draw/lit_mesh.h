@@ -20,13 +20,16 @@ typedef struct LitMesh {
     LitVertex *vertex;                // [vertex_count] leaves as when closed, until walk_lit_pose moves them
     int *source;                      // [vertex_count] index in Mesh.corners; of a leaf -1 - its face
     unsigned *index;
-    Plane *plane;      // [polygon_count]
+    Plane *plane;  // [polygon_count]
+    int *lamp;     // [lamp_count] polygons of lamps, lit or not
+    int lamp_count;
     float (*spot)[4];  // [element_count] for the exposure: the element's middle; its area, m^2
 } LitMesh;
 
 // One state of the light.
 typedef struct LitLight {
     float (*vertex)[3];  // [vertex_count] radiosity, W/m^2
+    bool *on;            // [lamp_count] does the polygon of a lamp shine?
     float *luminous;     // [element_count] light_luminous of the element; 0 for lamps
     Daylight day;        // that shines; all zeros: night
     double

@@ -156,6 +156,19 @@ static void upload_slice(unsigned buffer, const void *data, size_t size, int cou
     *bytes = slice * size < *bytes ? *bytes - slice * size : 0;
 }
 
+// Lamps shine, or do not, as in this light.
+static void switch_lamps(WalkLit *lit, const LitLight *light) {
+    const LitMesh *mesh = lit->mesh;
+    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    for (int i = 0; i < mesh->lamp_count; i++) {
+        int first = mesh->first_vertex[mesh->lamp[i]], end = mesh->first_vertex[mesh->lamp[i] + 1];
+        if (first == end || mesh->vertex[first].emits == light->on[i]) continue;
+        for (int v = first; v < end; v++) mesh->vertex[v].emits = light->on[i];
+        glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
+                        (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), mesh->vertex + first);
+    }
+}
+
 bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
     int count = lit_vertex_count(lit->mesh), next = lit->newest < 0 ? 0 : 1 - lit->newest;
     upload_slice(lit->vertex_buffer, lit->mesh->vertex, sizeof(LitVertex), count, &lit->vertices_there,
@@ -171,6 +184,7 @@ bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
     if (lit->light_there < count) return false;
     describe_light(lit, PLACE_BEFORE, lit->newest < 0 ? next : lit->newest);
     describe_light(lit, PLACE_LIGHT, next);
+    switch_lamps(lit, light);
     lit->fade = lit->newest < 0 ? 1 : 0;
     lit->newest = next;
     lit->light_there = 0;

@@ -5,8 +5,11 @@
 
 #include "engine/core/clock.h"
 #include "engine/scene/bake_mesh.h"
+#include "engine/scene/lamp_state.h"
+#include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
+#include "radiosity/show/each_lamp.h"
 #include "radiosity/show/shown.h"
 
 const char *light_place(const Building *building, Arena *arena) {
@@ -18,17 +21,37 @@ static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, co
                            Arena *arena) {
     RadSolution *shown = ARENA_ARRAY(arena, RadSolution, 1);
     *shown = fine_light(fine, solution, arena);
-    return (WalkLight){&fine->mesh, shown, doors, fine};
+    return (WalkLight){&fine->mesh, shown, doors, fine, NULL};
 }
 
 // The same on the mesh that shows the light.
-static bool show_finer(const Mesh *mesh, const RadSolution *solution, const float *doors, Arena *arena,
-                       WalkLight *out, Error *error) {
+static bool show_finer(const Mesh *mesh, const RadSolution *solution, const float *doors, const Lamps *lamps,
+                       Arena *arena, WalkLight *out, Error *error) {
     const Mesh *shown;
     const RadSolution *light;
     if (!shown_light(mesh, solution, doors, arena, &shown, &light, error)) return false;
     *out = show_fine(fine_mesh_new(shown, arena), light, doors, arena);
+    if (solution->each) {
+        LightStates *states = ARENA_ARRAY(arena, LightStates, 1);
+        *states = (LightStates){lamps, mesh, shown, solution};
+        out->states = states;
+    }
     return true;
+}
+
+RadSolution light_of_source(const WalkLight *light, int source, Arena *arena) {
+    const LightStates *s = light->states;
+    Rgb *lit = ARENA_ARRAY(arena, Rgb, s->lamps->count + 1);
+    if (source < s->lamps->count) lit[source] = (Rgb){1, 1, 1};
+    Mesh found = lamps_mesh(s->lamps, s->found, lit, arena),
+         shown = lamps_mesh(s->lamps, s->shown, lit, arena);
+    RadSolution one = each_lamp_one(s->solution, source, arena), out = one;
+    if (s->shown != s->found) CORE_ASSERT(shown_fill(&found, &one, &shown, arena, &out));
+    out.direct = out.unshot = out.rest = NULL;
+    FineMesh fine = *light->fine;
+    fine.light = &shown;
+    fine.mesh = lamps_mesh(s->lamps, &light->fine->mesh, lit, arena);
+    return fine_light(&fine, &out, arena);
 }
 
 bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error) {
@@ -39,6 +62,35 @@ bool light_check_day(const char *file, const RadSolution *solution, const Daylig
     day_describe(had, made, sizeof made);
     day_describe(day, asked, sizeof asked);
     return error_set(error, "%s: was made under %s (asked for: %s)", file, made, asked);
+}
+
+static bool same_state(Rgb a, Rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+bool light_take_lamps(const char *file, const LoadedScene *scene, RadSolution *solution, Error *error) {
+    static const Rgb FULL = {1, 1, 1};
+    const Lamps *lamps = &scene->lamps;
+    if (solution->lamp_count > 0 && solution->lamp_count != lamps->count)
+        return error_set(error, "%s: knows %d lamps (the building has %d)", file, solution->lamp_count,
+                         lamps->count);
+    for (int i = 0; i < lamps->count; i++) {
+        Rgb had = solution->lit ? solution->lit[i] : FULL;
+        if (same_state(had, scene->lit[i])) continue;
+        if (!solution->each) {
+            char made[32], asked[32];
+            lamp_state_describe(lamps, i, had, made, sizeof made);
+            lamp_state_describe(lamps, i, scene->lit[i], asked, sizeof asked);
+            return error_set(
+                error,
+                "%s: was made with lamp %d, %.100s, %s (asked for: %s; `bake --lamps each` makes light "
+                "of all states)",
+                file, i + 1, lamps->lamps[i].name, made, asked);
+        }
+        each_lamp_sum(solution, scene->lit);
+        break;
+    }
+    solution->lit = scene->lit;
+    solution->lamp_count = lamps->count;
+    return true;
 }
 
 bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error) {
@@ -54,11 +106,13 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
         options.proxies = proxies_find(graph, vertices, options.proxy, arena);
         good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error) &&
-               (!scene->day_given || light_check_day(path, solution, &scene->day, error));
+               (!scene->day_given || light_check_day(path, solution, &scene->day, error)) &&
+               light_take_lamps(path, scene, solution, error);
+        if (good) *mesh = scene_lit_mesh(scene, mesh, arena);
     }
     arena_free(&scratch);
     if (!good) return false;
-    if (show_finer(mesh, solution, doors, arena, out, error)) return true;
+    if (show_finer(mesh, solution, doors, &scene->lamps, arena, out, error)) return true;
     Error reason = *error;
     return error_set(error, "%s: %.900s", path, reason.text);
 }
@@ -120,37 +174,90 @@ static bool begin_light(const BakeOptions *options, const StabForest *forest, co
     return error_set(error, "nothing emits light, and no daylight comes in");
 }
 
+// A bake under way.
+typedef struct Baking {
+    const SceneBake *bake;
+    const LightHooks *hooks;
+    BakeOptions options;
+    Mesh *mesh;
+    RadSolution *solution;
+    float *doors;
+    Arena *arena;
+    DirectSources *sources;  // NULL: the light of each lamp is not asked for
+} Baking;
+
+static bool store(const Baking *b, Error *error) {
+    *error = (Error){""};
+    return !b->bake->out || rad_save(b->bake->out, b->mesh, b->doors, b->solution, error);
+}
+
+// Shoots all light and shows it.
+static bool bake_all(Baking *b, WalkLight *out, Error *error) {
+    const StabForest *forest = &b->bake->scene->forest;
+    const LightHooks *hooks = b->hooks;
+    Shower shower = {.hooks = hooks, .fine = fine_mesh_new(b->mesh, b->arena)};
+    if (hooks->show) {
+        show_solution(&shower, b->solution);
+        b->options.rad.show = show_solution;
+        b->options.rad.show_due = show_is_due;
+        b->options.rad.show_context = &shower;
+    }
+    RadReport report = rad_shoot(b->mesh, forest, b->doors, &b->options.rad, &hooks->progress, b->solution);
+    if (report.stopped) return error_set(error, "stopped");
+    if (hooks->show) show_solution(&shower, b->solution);
+    if (!direct_show_apart(b->mesh, forest, b->doors, hooks->threads, &hooks->progress, b->arena, b->solution,
+                           b->sources, NULL) ||
+        !show_finer(b->mesh, b->solution, b->doors, &b->bake->scene->lamps, b->arena, out, error))
+        return error_set(error, "stopped");
+    return true;
+}
+
+// Light of each lamp, where all light is there: `out` stays as it is where there is none.
+static void bake_each(Baking *b, WalkLight *out, Error *error) {
+    const LoadedScene *scene = b->bake->scene;
+    EachLamp each = {b->mesh, &scene->lamps, &scene->forest, b->doors, &b->options.rad, b->sources};
+    WalkLight light;
+    if (!b->solution->gathered || !b->solution->node ||
+        !each_lamp_find(&each, &b->hooks->progress, b->arena, b->solution))
+        return;
+    if (show_finer(b->mesh, b->solution, b->doors, &scene->lamps, b->arena, &light, error)) *out = light;
+    store(b, error);
+}
+
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
     const SceneBake *bake = context;
-    BakeOptions options = bake_default_options();
-    Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
-    RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
-    Shower shower = {.hooks = hooks};
-    float *doors;
     const StabForest *forest = &bake->scene->forest;
-    options.rad.threads = hooks->threads;
-    options.day = bake->scene->day;
-    if (!bake_mesh(&options, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
+    Baking b = {.bake = bake,
+                .hooks = hooks,
+                .options = bake_default_options(),
+                .mesh = ARENA_ARRAY(arena, Mesh, 1),
+                .solution = ARENA_ARRAY(arena, RadSolution, 1),
+                .arena = arena};
+    b.options.rad.threads = hooks->threads;
+    b.options.day = bake->scene->day;
+    if (!bake_mesh(&b.options, bake->scene, NULL, &hooks->progress, arena, &b.doors, b.mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0))
         return false;
-    rad_fit(mesh, &options.rad);
-    if (!begin_light(&options, forest, doors, &hooks->progress, mesh, arena, solution, error)) return false;
-    shower.fine = fine_mesh_new(mesh, arena);
-    if (hooks->show) {
-        show_solution(&shower, solution);
-        options.rad.show = show_solution;
-        options.rad.show_due = show_is_due;
-        options.rad.show_context = &shower;
+    bool each = hooks->each && bake->scene->lamps.count > 0;
+    if (!each) *b.mesh = scene_lit_mesh(bake->scene, b.mesh, arena);
+    rad_fit(b.mesh, &b.options.rad);
+    if (!begin_light(&b.options, forest, b.doors, &hooks->progress, b.mesh, arena, b.solution, error))
+        return false;
+    if (!each) b.solution->lit = bake->scene->lit;
+    if (!each) b.solution->lamp_count = bake->scene->lamps.count;
+    if (each) {
+        b.sources = each_lamp_sources(b.mesh, &bake->scene->lamps, hooks->threads, arena);
+        b.options.rad.rows = shoot_rows_new(b.mesh, forest, b.doors, &b.options.rad, &b.solution->day, arena);
     }
-    RadReport report = rad_shoot(mesh, forest, doors, &options.rad, &hooks->progress, solution);
-    if (report.stopped) return error_set(error, "stopped");
-    if (hooks->show) show_solution(&shower, solution);
-    if (!direct_show(mesh, forest, doors, hooks->threads, &hooks->progress, arena, solution, NULL) ||
-        !show_finer(mesh, solution, doors, arena, out, error))
-        return error_set(error, "stopped");
-    *error = (Error){""};
-    if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
-    return true;
+    bool good = bake_all(&b, out, error);
+    if (good) store(&b, error);
+    if (good && hooks->whole) hooks->whole(hooks->context, out);
+    if (good && each) bake_each(&b, out, error);
+    if (each) {
+        shoot_rows_end(b.options.rad.rows);
+        direct_sources_end(b.sources);
+    }
+    return good;
 }
 
 LightBaker light_baker(LoadedScene *scene, Arena *arena) {
@@ -184,7 +291,8 @@ static bool read_or_bake(void *context, const LightHooks *hooks, Arena *arena, W
 static LightBaker stored_light(const LoadedScene *scene, bool asked, LightBaker otherwise, Arena *arena) {
     StoredLight *stored = ARENA_ARRAY(arena, StoredLight, 1);
     *stored = (StoredLight){scene, asked, otherwise};
-    return (LightBaker){read_or_bake, stored, .stored = true, .asked = asked};
+    return (LightBaker){read_or_bake, stored, .anew = otherwise.bake ? &stored->otherwise : NULL,
+                        .stored = true, .asked = asked};
 }
 
 // ---- loading a building to walk through

@@ -19,6 +19,10 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
 // Refuses a solution from a file that was made under another day.
 bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error);
 
+// Brings a solution from a file into the state of the lamps that the scene asks for. Refuses light of another state, unless the light of
+// each lamp is known by itself.
+bool light_take_lamps(const char *file, const LoadedScene *scene, RadSolution *solution, Error *error);
+
 // Instructions to a bake, and its news.
 typedef struct LightHooks {
     // Asks to stop.
@@ -30,6 +34,10 @@ typedef struct LightHooks {
     double show_every;
     // 0: all cores.
     int threads;
+    // Find the light of each lamp, too (WalkLight.states); all are fully lit then, whatever the scene asks for. Before that begins,
+    // `whole` is called with all light together; NULL: nobody is.
+    bool each;
+    void (*whole)(void *context, const WalkLight *light);
 } LightHooks;
 
 // A party that knows how to bake the building shown, and where to store the light, which lives in the arena. A fault that is no
@@ -39,6 +47,8 @@ typedef struct LightBaker {
     void *context;
     // The next walk finds the light.
     bool keeps;
+    // For stored light without the light of each lamp: bakes all anew; NULL: `bake` does, or nobody can.
+    const struct LightBaker *anew;
     // Light that is stored is read, not baked, where it fits; and it was asked for: without it nothing is to be shown.
     bool stored, asked;
 } LightBaker;
@@ -47,6 +57,10 @@ typedef struct LightBaker {
 // `bake` is NULL where nothing emits light and it is night, or there is no surface that light could fall on. The scene was loaded
 // with all lamps.
 LightBaker light_baker(LoadedScene *scene, Arena *arena);
+
+// The light of one source by itself, fully lit, on light->mesh: of lamp `source`, or of the day, states->lamps->count; without the fields
+// `direct`, `unshot` and `rest`. The light must have `states`. The result lives in the arena.
+RadSolution light_of_source(const WalkLight *light, int source, Arena *arena);
 
 // ---- loading a building to walk through
 

@@ -9,8 +9,10 @@
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
 #include "engine/scene/budget.h"
+#include "engine/scene/lamp_state.h"
 #include "maps/building/lamp_faces.h"
 #include "maps/maps.h"
+#include "maps/photometry/photometry_file.h"
 #include "radiosity/shoot/shoot.h"
 #include "visibility/prepare/prepare.h"
 
@@ -135,12 +137,19 @@ static bool fill_rooms(const char *path, const SceneOptions *options, Arena *are
     return good;
 }
 
+static bool take_photometry(const SceneOptions *options, Arena *arena, Building *b, Error *error) {
+    for (int i = 0; i < options->photometry.count; i++)
+        if (!photometry_for_name(options->photometry.text[i], arena, b, error)) return false;
+    return true;
+}
+
 static bool read_building(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                           Error *error) {
     *out = (LoadedScene){.warn = options->warn};
     double start = clock_seconds();
     budget_open(path, options->memory, options->gentle);
     if (!maps_read_map(path, options->map, arena, &out->building, error) ||
+        !take_photometry(options, arena, &out->building, error) ||
         !scene_spares(options->written, options->written_count, out->building.beside,
                       out->building.beside_count, error) ||
         !day_over(&options->day, &out->building, &out->day, error) ||
@@ -165,6 +174,11 @@ bool scene_load_cells(const char *path, const SceneOptions *options, Arena *aren
                       Error *error) {
     if (!read_building(path, options, arena, out, error)) return false;
     if (out->graph.cell_count == 0 && !make_cells(options, arena, out, error)) return false;
+    lamps_find(&out->graph, &out->building, arena, &out->lamps);
+    out->lit = ARENA_ARRAY(arena, Rgb, out->lamps.count + 1);
+    for (int i = 0; i < out->lamps.count; i++) out->lit[i] = (Rgb){1, 1, 1};
+    if (options->lamp_state && !lamp_state_apply(&out->lamps, options->lamp_state, out->lit, error))
+        return false;
     memory_lower_fence();
     return true;
 }
@@ -222,4 +236,16 @@ bool scene_emits(const LoadedScene *scene) {
         if (e.r + e.g + e.b > 0) return true;
     }
     return false;
+}
+
+bool scene_fully_lit(const LoadedScene *scene) {
+    for (int i = 0; i < scene->lamps.count; i++) {
+        Rgb lit = scene->lit[i];
+        if (lit.r != 1 || lit.g != 1 || lit.b != 1) return false;
+    }
+    return true;
+}
+
+Mesh scene_lit_mesh(const LoadedScene *scene, const Mesh *mesh, Arena *arena) {
+    return scene_fully_lit(scene) ? *mesh : lamps_mesh(&scene->lamps, mesh, scene->lit, arena);
 }

@@ -3,8 +3,10 @@
 #ifndef SCENE_SCENE_H
 #define SCENE_SCENE_H
 
+#include "engine/core/text.h"
 #include "engine/scene/day.h"
 #include "engine/scene/fill_lamps.h"
+#include "radiosity/mesh/lamps.h"
 
 // How a building is loaded. Strings and arrays last as long as the scene.
 typedef struct SceneOptions {
@@ -23,8 +25,12 @@ typedef struct SceneOptions {
     // FILL_LAMPS_ON: rooms without light get lamps (fill_lamps.h), where lights get faces. By day, under `sky` or the sky of light that
     // is found, rooms with openings to outdoors get none.
     int fill_lamps;
+    // A state of the lamps (lamp_state.h); NULL: all fully lit.
+    const char *lamp_state;
     // One of a file that holds several maps; NULL: the first.
     const char *map;
+    // Each `NAME=FILE`: photometric files for lamps by their names, beside those that the building has.
+    TextList photometry;
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
     bool find_light;
     const char *light;
@@ -62,6 +68,9 @@ typedef struct LoadedScene {
     int lamp_faces;
     // Rooms without light that got lamps (Building.fill_lamps).
     int filled_rooms;
+    // All lamps, and the state asked for, [lamps.count]; the building has them fully lit.
+    Lamps lamps;
+    Rgb *lit;
     // The trees came from the cache; the cache has them; their search was stopped early.
     bool cached, kept, stopped;
     // Pairs of cells, both ways round, that are neither proven to see each other nor excluded.
@@ -89,6 +98,11 @@ bool scene_load_cells(const char *path, const SceneOptions *options, Arena *aren
 bool scene_has_walls(const LoadedScene *scene, Error *error);
 // Has the building any material that emits light?
 bool scene_emits(const LoadedScene *scene);
+
+// Does the scene ask for all lamps fully lit?
+bool scene_fully_lit(const LoadedScene *scene);
+// The mesh of the scene's graph in the state of the lamps that was asked for; it lives in the arena.
+Mesh scene_lit_mesh(const LoadedScene *scene, const Mesh *mesh, Arena *arena);
 
 // Are the files that are written none of those that are read? NULLs are passed over.
 bool scene_spares(const char *const *written, int write_count, const char *const *read, int read_count,

@@ -8,7 +8,7 @@
 
 #include "engine/draw/false_colour.h"
 #include "engine/shade/walk_shade.h"
-#include "radiosity/factors/analytic.h"
+#include "radiosity/factors/lamp_spread.h"
 #include "radiosity/show/gather.h"
 
 // A place on a surface, to which the light of lamps is asked for.
@@ -43,8 +43,9 @@ typedef struct Lamp {
     double area, radius;  // radius of a polygon: of a ball around all of it
     double before;
     double exitance[3], luminous;
-    int cell;   // the cell it shines into, -1: unknown
-    int group;  // the lamps of one object: they are seen together or not at all
+    const LampSpread *spread;  // NULL: by Lambert's cosine
+    int cell;                  // the cell it shines into, -1: unknown
+    int group;                 // the lamps of one object: they are seen together or not at all
 } Lamp;
 
 // A lamp that a side of an element may see.
@@ -114,6 +115,8 @@ static const CurvedShape *lamp_shape_of(const StillScene *scene, const Face *fac
 // From farther than this many times its radius a polygon counts as a point of its area (FAR), and a quadrilateral as four points
 // (MIDDLING): within 1 %.
 static const double FAR = 8, MIDDLING = 2;
+// Light by candela tables is found within about this share; from farther than so many radii by four points.
+static const double TABLE_OFF = 0.01, TABLE_FAR = 4;
 // Points drawn on a lamp; one of them is chosen by the light that it sends.
 enum { POINTS = 4 };
 // From farther than this many times its radius, all points of a lamp send much the same light.
@@ -136,7 +139,27 @@ static double near_share(const StillLamps *lamps, const Lamp *lamp, const LampFr
         Vec3 v = vec3_sub(lamps->corners[lamp->first_corner + i], f->point);
         local[i] = vec3(vec3_dot(f->x, v), vec3_dot(f->y, v), vec3_dot(f->n, v));
     }
+    if (lamp->spread) {
+        SpreadSight by_table = spread_sight(lamp->spread, TABLE_OFF, f->x, f->y, f->n);
+        spread_sight_add(&by_table, local, lamp->corner_count);
+        return by_table.sight.share;
+    }
     return analytic_point(local, lamp->corner_count);
+}
+
+// The same of a lamp by a candela table, times what the table sends this way over an even lamp.
+static double table_share(const StillLamps *lamps, const Lamp *lamp, const LampFrame *f) {
+    Vec3 to = vec3_sub(lamp->centre, f->point);
+    bool far = vec3_dot(to, to) > TABLE_FAR * TABLE_FAR * lamp->radius * lamp->radius;
+    if (!far || lamp->corner_count != 4 || vec3_dot(f->n, to) <= lamp->radius)
+        return near_share(lamps, lamp, f);
+    double sum = 0;
+    for (int i = 0; i < 4; i++) {
+        Vec3 way = vec3_sub(lamp->four[i], f->point);
+        double d2 = vec3_dot(way, way), d = sqrt(d2);
+        sum += spread_share(lamp->spread, vec3_scale(way, -1 / d)) * vec3_dot(f->n, way) / (d2 * d);
+    }
+    return lamp->area / 4 * sum;
 }
 
 // The share of the light leaving the place that would meet the lamp's front.
@@ -147,6 +170,7 @@ static double lamp_share(const StillLamps *lamps, const Lamp *lamp, const LampFr
     if (lamp->corner_count == 0) return still_ball_share(f->n, to, lamp->radius);
     double before = -vec3_dot(lamp->normal, to);
     if (before <= 0) return 0;
+    if (lamp->spread) return table_share(lamps, lamp, f);
     double d2 = vec3_dot(to, to), radius2 = lamp->radius * lamp->radius;
     if (ahead <= lamp->radius || d2 < MIDDLING * MIDDLING * radius2) return near_share(lamps, lamp, f);
     if (d2 > FAR * FAR * radius2) return lamp->area * ahead * before / (M_PI * d2 * d2);
@@ -193,7 +217,9 @@ static double sends(const Lamp *lamp, const LampFrame *f, Vec3 point) {
     Vec3 to = vec3_sub(point, f->point);
     double d2 = vec3_dot(to, to), ahead = fmax(vec3_dot(f->n, to), 0);
     if (lamp->corner_count == 0) return d2 > 0 ? ahead / sqrt(d2) : 0;
-    return d2 > 0 ? ahead * fmax(-vec3_dot(lamp->normal, to), 0) / (d2 * d2) : 0;
+    double diffuse = d2 > 0 ? ahead * fmax(-vec3_dot(lamp->normal, to), 0) / (d2 * d2) : 0;
+    if (!lamp->spread || !(diffuse > 0)) return diffuse;
+    return diffuse * spread_ratio(lamp->spread, lamp->normal, vec3_scale(to, -1 / sqrt(d2)));
 }
 
 // Chooses one of a few points, by the light that each sends; false: none sends any.
@@ -202,7 +228,7 @@ static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const LampFr
     Vec3 point[POINTS], to = vec3_sub(lamp->centre, f->point);
     double weight[POINTS], sum = 0;
     bool even = vec3_dot(to, to) > EVEN * EVEN * lamp->radius * lamp->radius;
-    int points = even && vec3_dot(f->n, to) > lamp->radius ? 1 : POINTS;
+    int points = even && !lamp->spread && vec3_dot(f->n, to) > lamp->radius ? 1 : POINTS;
     for (int i = 0; i < points; i++) {
         // Four points lie two by two, each half a unit from the others in u or v.
         double a = lamp_fraction(u[0] + 0.5 * (i & 1)), b = lamp_fraction(u[1] + 0.5 * (i >> 1));
@@ -426,6 +452,7 @@ static void add_lamp_polygon(StillLamps *lamps, int face, double before, Arena *
     lamp->radius = 0.5 * vec3_length(vec3_sub(box.max, box.min));
     lamp->area = polygon_area(lamps->corners + lamp->first_corner, lamp->corner_count);
     put_four(lamp, lamps->corners + lamp->first_corner);
+    lamp->spread = mesh_spread(mesh, face);
     put_exitance(lamp, mesh_material(mesh, face));
 }
 

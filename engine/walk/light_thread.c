@@ -4,10 +4,12 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 
 #include "engine/core/parallel.h"
+#include "engine/draw/lit_states.h"
 #include "radiosity/shoot/ambient.h"
 
 // Seconds between states of the light: a few a second show the light arriving, and each costs a pass over the building.
@@ -16,8 +18,8 @@ static const double SHOW_EVERY = 0.3;
 // it a hundredth of that: where software OpenGL takes all cores, the light would never come.
 enum { NICE = 5 };
 
-// The last state is on a mesh of its own, the finest.
-enum { STATES = 2, LAST = STATES };
+// The last states are on a mesh of their own, the finest: of all lamps, and of those that were asked for since.
+enum { STATES = 2, LAST = STATES, ALL_STATES = 2 * STATES };
 
 struct LightThread {
     LightBaker baker;
@@ -33,8 +35,13 @@ struct LightThread {
     pthread_mutex_t lock;
     pthread_cond_t received;
     _Atomic(LitMesh *) mesh;
-    LitLight state[STATES + 1];
+    LitLight state[ALL_STATES];
     int fresh, held;  // the state that the walk is to fetch; the state it has; -1: none
+    Rgb *wanted;      // the state of the lamps that is asked for and not made yet, [wanted_count], or NULL
+    int wanted_count;
+    atomic_int lamps, lamps_done;  // LAMPS_KNOWN ..; thousandths
+    LitStates *states;
+    Arena asked;  // of `wanted`
 };
 
 // ---- in the bake's own thread
@@ -42,7 +49,8 @@ struct LightThread {
 static bool note_progress(void *context, const char *stage, double done) {
     LightThread *t = context;
     (void)stage;
-    atomic_store(&t->done, (int)(1000 * done));
+    bool whole = atomic_load(&t->end) != LIGHT_UNDER_WAY;
+    atomic_store(whole ? &t->lamps_done : &t->done, (int)(1000 * done));
     return !atomic_load(&t->stop);
 }
 
@@ -85,17 +93,105 @@ static void show(void *context, const Mesh *mesh, const RadSolution *so_far) {
     arena_free(&scratch);
 }
 
-// Shows the whole solution: waits until the walk has fetched the state before it.
-static void show_last(LightThread *t, const WalkLight *light) {
-    LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena);
-    t->state[LAST] = lit_light_new(mesh, &t->arena);
-    lit_light_fill(mesh, light->solution, &t->state[LAST]);
+// Hands over a state of the last mesh: waits until the walk has fetched the state before it.
+static void hand_over(LightThread *t, int state, LitMesh *mesh) {
     pthread_mutex_lock(&t->lock);
     while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
     atomic_store(&t->mesh, mesh);
-    t->fresh = LAST;
+    t->fresh = state;
     pthread_mutex_unlock(&t->lock);
     wake_walk(t);
+}
+
+// Shows all light.
+static void show_whole(void *context, const WalkLight *light) {
+    LightThread *t = context;
+    if (atomic_load(&t->stop)) return;
+    LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena);
+    for (int i = LAST; i < ALL_STATES; i++) t->state[i] = lit_light_new(mesh, &t->arena);
+    lit_light_fill(mesh, light->solution, &t->state[LAST]);
+    hand_over(t, LAST, mesh);
+    atomic_store(&t->end, LIGHT_READY);
+    atomic_store(&t->lamps, LAMPS_SOUGHT);
+}
+
+static int free_state(const LightThread *t) { return t->held == LAST ? LAST + 1 : LAST; }
+
+// Waits until the walk has fetched the state before, which tells the state that may change.
+static void show_again(LightThread *t, const RadSolution *solution) {
+    pthread_mutex_lock(&t->lock);
+    while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
+    int state = free_state(t);
+    pthread_mutex_unlock(&t->lock);
+    if (atomic_load(&t->stop)) return;
+    lit_light_fill(atomic_load(&t->mesh), solution, &t->state[state]);
+    hand_over(t, state, atomic_load(&t->mesh));
+}
+
+static void learn_lamps(LightThread *t, const WalkLight *light) {
+    if (light->states) {
+        WalkLight *kept = ARENA_ARRAY(&t->arena, WalkLight, 1);
+        *kept = *light;
+        t->states = lit_states_new(atomic_load(&t->mesh), kept, &t->arena);
+    }
+    atomic_store(&t->lamps, light->states ? LAMPS_KNOWN : LAMPS_UNKNOWN);
+    wake_walk(t);
+}
+
+// Bakes light anew, with that of each lamp, and shows it.
+static void bake_anew(LightThread *t) {
+    WalkLight light;
+    Error error;
+    LightHooks hooks = t->hooks;
+    hooks.show = NULL;
+    hooks.whole = NULL;
+    if (!t->baker.anew) return;
+    atomic_store(&t->lamps, LAMPS_SOUGHT);
+    if (!t->baker.anew->bake(t->baker.anew->context, &hooks, &t->arena, &light, &error)) return;
+    show_whole(t, &light);
+    learn_lamps(t, &light);
+}
+
+// Makes the state of the lamps that is asked for; the newest one alone.
+static void switch_lamps(LightThread *t) {
+    Arena scratch = {0};
+    pthread_mutex_lock(&t->lock);
+    while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
+    Rgb *lit = ARENA_ARRAY(&scratch, Rgb, t->wanted_count + 1);
+    if (t->wanted) memcpy(lit, t->wanted, (size_t)t->wanted_count * sizeof *lit);
+    t->wanted = NULL;
+    pthread_mutex_unlock(&t->lock);
+    if (!atomic_load(&t->stop)) {
+        int state = free_state(t);
+        lit_states_fill(t->states, lit, &t->state[state]);
+        hand_over(t, state, atomic_load(&t->mesh));
+    }
+    arena_free(&scratch);
+}
+
+// Goes on with lamps until it is told to stop.
+static void serve_lamps(LightThread *t) {
+    bool tried = false;
+    for (;;) {
+        bool idle = !t->states;  // nothing to prepare
+        pthread_mutex_lock(&t->lock);
+        bool asked = t->wanted != NULL;
+        pthread_mutex_unlock(&t->lock);
+        if (!asked && t->states) idle = !lit_states_prepare(t->states);
+        pthread_mutex_lock(&t->lock);
+        while (idle && !t->wanted && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
+        asked = t->wanted != NULL;
+        pthread_mutex_unlock(&t->lock);
+        if (atomic_load(&t->stop)) return;
+        if (!asked) continue;
+        if (!t->states && !tried) bake_anew(t);
+        tried = true;
+        if (!t->states) {
+            atomic_store(&t->lamps, LAMPS_UNKNOWN);
+            return;
+        }
+        switch_lamps(t);
+    }
 }
 
 static void *work(void *context) {
@@ -105,9 +201,14 @@ static void *work(void *context) {
     setpriority(PRIO_PROCESS, 0, NICE);
     bool good = t->baker.bake(t->baker.context, &t->hooks, &t->arena, &light, &t->error);
     good = good && !atomic_load(&t->stop);
-    if (good) show_last(t, &light);
-    atomic_store(&t->end, good ? LIGHT_READY : LIGHT_FAILED);
+    bool shown = atomic_load(&t->end) != LIGHT_UNDER_WAY;
+    if (good && !shown) show_whole(t, &light);
+    // The light of all lamps is the sum of theirs from now on.
+    if (good && shown && light.states) show_again(t, light.solution);
+    if (good) learn_lamps(t, &light);
+    atomic_store(&t->end, good || atomic_load(&t->end) == LIGHT_READY ? LIGHT_READY : LIGHT_FAILED);
     wake_walk(t);
+    if (good && (t->states || t->baker.anew)) serve_lamps(t);
     return NULL;
 }
 
@@ -117,8 +218,19 @@ LightThread *light_thread_start(const LightBaker *baker, void (*wake)(void *cont
                                 Arena *arena) {
     LightThread *t = ARENA_ARRAY(arena, LightThread, 1);
     int cores = parallel_threads(0);
-    *t = (LightThread){.baker = *baker, .wake = wake, .wake_context = wake_context, .fresh = -1, .held = -1};
-    t->hooks = (LightHooks){{note_progress, t}, show, t, SHOW_EVERY, cores > 1 ? cores - 1 : 1};
+    *t = (LightThread){.baker = *baker,
+                       .wake = wake,
+                       .wake_context = wake_context,
+                       .fresh = -1,
+                       .held = -1,
+                       .lamps = LAMPS_UNKNOWN};
+    t->hooks = (LightHooks){.progress = {note_progress, t},
+                            .show = show,
+                            .context = t,
+                            .show_every = SHOW_EVERY,
+                            .threads = cores > 1 ? cores - 1 : 1,
+                            .each = true,
+                            .whole = show_whole};
     pthread_mutex_init(&t->lock, NULL);
     pthread_cond_init(&t->received, NULL);
     return pthread_create(&t->handle, NULL, work, t) == 0 ? t : NULL;
@@ -149,6 +261,25 @@ const char *light_thread_note(const LightThread *t) {
     return light_thread_end(t) == LIGHT_UNDER_WAY ? "" : t->error.text;
 }
 
+void light_thread_switch(LightThread *t, const Rgb *lit, int count) {
+    pthread_mutex_lock(&t->lock);
+    if (t->wanted_count != count || !t->wanted) {
+        arena_reset(&t->asked);
+        t->wanted = ARENA_ARRAY(&t->asked, Rgb, count + 1);
+        t->wanted_count = count;
+    }
+    memcpy(t->wanted, lit, (size_t)count * sizeof *lit);
+    pthread_cond_signal(&t->received);
+    pthread_mutex_unlock(&t->lock);
+}
+
+int light_thread_lamps(const LightThread *t) { return atomic_load(&t->lamps); }
+double light_thread_lamps_done(const LightThread *t) { return atomic_load(&t->lamps_done) / 1000.0; }
+
+bool light_thread_switches(const LightThread *t) {
+    return atomic_load(&t->lamps) != LAMPS_UNKNOWN || t->baker.anew || light_thread_end(t) == LIGHT_UNDER_WAY;
+}
+
 void light_thread_stop(LightThread *t) {
     atomic_store(&t->stop, true);
     pthread_mutex_lock(&t->lock);
@@ -169,6 +300,7 @@ bool light_thread_free(LightThread *t, double seconds) {
     pthread_cond_destroy(&t->received);
     pthread_mutex_destroy(&t->lock);
     arena_free(&t->arena);
+    arena_free(&t->asked);
     return true;
 }
 

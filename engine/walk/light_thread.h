@@ -30,6 +30,22 @@ int light_thread_end(const LightThread *thread);
 // A sentence for the user after the end; "": nothing to tell.
 const char *light_thread_note(const LightThread *thread);
 
+// ---- lamps
+
+// Asks for the light in a state of the lamps, [count of the scene's lamps], which is copied. Where the light of each lamp is not known yet,
+// it is found first: by a bake anew, where light was stored without.
+void light_thread_switch(LightThread *thread, const Rgb *lit, int count);
+enum {
+    LAMPS_KNOWN,    // the next state asked for comes at once
+    LAMPS_SOUGHT,   // the light of each lamp is being found
+    LAMPS_UNKNOWN,  // it will be when a state is asked for, or is never found
+};
+int light_thread_lamps(const LightThread *thread);
+// How much of it is found, 0 .. 1.
+double light_thread_lamps_done(const LightThread *thread);
+// Can states be asked for at all?
+bool light_thread_switches(const LightThread *thread);
+
 void light_thread_stop(LightThread *thread);
 // Waits until the thread has ended, at most for so many seconds, and frees all that it made; call light_thread_stop before. False: the
 // thread is still at work.

@@ -79,6 +79,12 @@ static void draw_hud(Session *s, int width, int height, double scale) {
         state.prompt_key = "E";
         state.prompt = session_door_prompt(s, door, &s->frame_arena);
     }
+    int lamp = door < 0 && !s->lamps ? session_lamp(s) : -1;
+    if (lamp >= 0 && !s->picture_wanted) {
+        state.prompt_key = "Q";
+        state.prompt = session_lamp_prompt(s, lamp, &s->frame_arena);
+    }
+    if (!s->help && s->lamps) state.help = session_lamp_list(s, &state.help_count, &s->frame_arena);
     overlay_begin(s->overlay, width, height, scale);
     hud_draw(s->overlay, &state);
 }

@@ -31,7 +31,8 @@ static SessionSeen take_note(const Session *s, int width, int height, double sca
     seen.fov = s->fov;
     seen.stops = s->exposure.stops;
     bool flags[] = {s->frozen, s->wireframe, s->stab_tree,     s->plan,           s->statistics,
-                    s->help,   s->mouse,     s->person.flying, s->exposure.fixed, s->message_is_error};
+                    s->help,   s->mouse,     s->person.flying, s->exposure.fixed, s->message_is_error,
+                    s->lamps};
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) seen.flags |= (unsigned)flags[i] << i;
     seen.choices[0] = (int)s->culling;
     seen.choices[1] = (int)s->look;
@@ -45,6 +46,8 @@ static SessionSeen take_note(const Session *s, int width, int height, double sca
         seen.door_wanted = s->shown->doors.wanted[seen.door];
         seen.door_halt = s->shown->doors.halt[seen.door];
     }
+    seen.lamp = session_lamp(s);
+    seen.lamp_chosen = s->lamp_chosen;
     if (s->statistics) seen.light_done = (int)(100 * session_light_done(s));
     return seen;
 }

@@ -100,6 +100,23 @@ static void fix_exposure(Session *s, int key) {
     session_fix_exposure(s);
 }
 
+static void switch_lamps(Session *s, int key) {
+    (void)key;
+    session_switch_lamps(s);
+}
+
+static void dim_lamps(Session *s, int key) { session_dim_lamps(s, key == ']' ? 1 : -1); }
+
+static void list_lamps(Session *s, int key) {
+    (void)key;
+    session_list_lamps(s);
+}
+
+// In the list of lamps; else the key walks.
+static void choose_lamp(Session *s, int key) {
+    if (s->lamps) session_choose_lamp(s, key == DISPLAY_KEY_DOWN ? 1 : -1);
+}
+
 static void change_colours(Session *s, int key) {
     (void)key;
     session_change_colours(s);
@@ -143,12 +160,14 @@ static void full_screen(Session *s, int key) {
     s->full_screen = !s->full_screen;
 }
 
-// Escape closes the help, then frees the mouse, then ends the walk. While a path is recorded it asks before it ends the walk: it is
-// struck easily, and ends the recording too.
+// Escape closes the help or the list of lamps, then frees the mouse, then ends the walk. While a path is recorded it asks before it ends
+// the walk: it is struck easily, and ends the recording too.
 static void leave(Session *s, int key) {
     (void)key;
     if (s->help) {
         s->help = false;
+    } else if (s->lamps) {
+        s->lamps = false;
     } else if (s->mouse) {
         s->mouse = false;
     } else if (s->recording && s->now - s->leave_asked > ASKED_SECONDS) {
@@ -198,6 +217,11 @@ static const struct {
               {'=', '=', brighten},
               {'U', 'U', fix_exposure},
               {'K', 'K', change_colours},
+              {'Q', 'Q', switch_lamps},
+              {'[', ']', dim_lamps},
+              {'J', 'J', list_lamps},
+              {DISPLAY_KEY_UP, DISPLAY_KEY_UP, choose_lamp},
+              {DISPLAY_KEY_DOWN, DISPLAY_KEY_DOWN, choose_lamp},
               {'P', 'P', take_picture},
               {DISPLAY_KEY_F12, DISPLAY_KEY_F12, take_picture},
               {'R', 'R', record},
@@ -226,6 +250,8 @@ const HudKey SESSION_KEYS[] = {
     {"T", "stab tree of the current cell on the plan"},
     {"G", "fast, fine or baked look"},
     {"-, =, U", "darker, brighter; the eye adapts, or stays as it is"},
+    {"Q, [ ]", "switch the lamp looked at, or the room's; darker, brighter"},
+    {"J", "list of lamps: up and down choose, Q [ ] switch"},
     {"K", "light in false colours: radiosity, irradiance, illuminance"},
     {"P, F12", "screenshot"},
     {"R, L", "record a path, and end it; replay it"},
@@ -238,7 +264,8 @@ const int SESSION_KEY_COUNT = sizeof SESSION_KEYS / sizeof *SESSION_KEYS;
 
 static void hold(Session *s, int key, int by) {
     for (size_t i = 0; i < sizeof HELD / sizeof *HELD; i++) {
-        if (HELD[i].key != key) continue;
+        bool chooses = s->lamps && by > 0 && (key == DISPLAY_KEY_UP || key == DISPLAY_KEY_DOWN);
+        if (HELD[i].key != key || chooses) continue;
         s->held[HELD[i].held] += by;
         if (by > 0) session_stop_replay(s);
     }

@@ -1,5 +1,9 @@
 // session_light.c - light in a walk: it arrives from a bake in the background, the exposure adapts to it, keys correct the exposure, and
 // false colours show the light in numbers.
+#include <stdio.h>
+#include <string.h>
+
+#include "engine/scene/lamp_state.h"
 #include "engine/walk/session_state.h"
 
 // A frame copies so many bytes of the arriving light: a tenth of a millisecond.
@@ -107,4 +111,162 @@ bool session_legend(const Session *s, HudLegend *out) {
     if (!session_light_shown(s) || s->false_colour == FALSE_COLOUR_OFF) return false;
     *out = (HudLegend){s->false_colour, walk_renderer_lit(s->shown->renderer)->ranges[s->false_colour]};
     return true;
+}
+
+// ---- lamps
+
+// A lamp is looked at where the line of sight passes it within this distance, metres, no farther away than that.
+static const double LAMP_NEAR = 0.35, LAMP_FAR = 12;
+static const float TENTH = 0.1f;
+// Lines of the list.
+enum { LIST_LINES = 16 };
+
+static const Lamps *lamps_of(const Session *s) {
+    static const Lamps NONE = {0};
+    return s->shown->scene.scene ? &s->shown->scene.scene->lamps : &NONE;
+}
+
+static bool can_switch(const Session *s) {
+    const Shown *shown = s->shown;
+    return shown->baking && shown->lit && lamps_of(s)->count > 0 && light_thread_switches(shown->baking);
+}
+
+static bool is_visible(const Session *s, int object) {
+    for (int i = 0; i < s->visible.object_count; i++)
+        if (s->visible.objects[i] == object) return true;
+    return false;
+}
+
+int session_lamp(const Session *s) {
+    const Person *p = &s->person;
+    const Lamps *lamps = lamps_of(s);
+    Vec3 ahead = vec3(cos(p->pitch) * cos(p->yaw), cos(p->pitch) * sin(p->yaw), sin(p->pitch));
+    int nearest = -1;
+    double least = LAMP_NEAR;
+    if (!session_light_shown(s) || !can_switch(s)) return -1;
+    for (int i = 0; i < lamps->count; i++) {
+        Vec3 way = vec3_sub(lamps->lamps[i].place, p->eye);
+        double along = vec3_dot(way, ahead);
+        if (along <= 0 || along > LAMP_FAR) continue;
+        double off = vec3_length(vec3_sub(way, vec3_scale(ahead, along)));
+        if (off >= least || !is_visible(s, lamps->lamps[i].object)) continue;
+        least = off;
+        nearest = i;
+    }
+    return nearest;
+}
+
+static float brightest(Rgb lit) { return fmaxf(fmaxf(lit.r, lit.g), lit.b); }
+
+int session_dark_lamps(const Session *s, int *count) {
+    int dark = 0;
+    *count = s->shown->lit ? lamps_of(s)->count : 0;
+    for (int i = 0; i < *count; i++) dark += !(brightest(s->shown->lit[i]) > 0);
+    return dark;
+}
+
+const char *session_lamp_prompt(const Session *s, int lamp, Arena *arena) {
+    return arena_format(arena, "switch %s %s", brightest(s->shown->lit[lamp]) > 0 ? "off" : "on",
+                        lamps_of(s)->lamps[lamp].name);
+}
+
+// Is the lamp meant by a key: chosen, looked at, or where there is none of both, in the room?
+static bool is_meant(const Session *s, int lamp, int looked_at) {
+    if (s->lamps) return lamp == s->lamp_chosen;
+    return looked_at >= 0 ? lamp == looked_at : strcmp(lamps_of(s)->lamps[lamp].room, session_room(s)) == 0;
+}
+
+// A lamp that was coloured keeps its hue.
+static void set_lamp(Session *s, int lamp, float share) {
+    const Rgb *asked = &s->shown->scene.scene->lit[lamp];
+    float most = brightest(*asked);
+    Rgb hue = most > 0 ? (Rgb){asked->r / most, asked->g / most, asked->b / most} : (Rgb){1, 1, 1};
+    s->shown->lit[lamp] = (Rgb){hue.r * share, hue.g * share, hue.b * share};
+}
+
+static void say_lamps(Session *s, int count, int last, float share) {
+    const Lamps *lamps = lamps_of(s);
+    char wait[96] = "", state[16];
+    if (light_thread_lamps(s->shown->baking) != LAMPS_KNOWN)
+        snprintf(wait, sizeof wait, ", once the light of each lamp is known");
+    snprintf(state, sizeof state,
+             share > 0 && share < 1 ? "%.0f %%"
+             : share > 0            ? "on"
+                                    : "off",
+             100 * (double)share);
+    if (count == 1)
+        session_say(s, false, "%s: %s%s", lamps->lamps[last].name, state, wait);
+    else
+        session_say(s, false, "%d lamps of %s: %s%s", count, session_room(s), state, wait);
+}
+
+// Lamps that are meant get the share of full light that `next` makes of the brightest one's.
+static void change_lamps(Session *s, float (*next)(float share, int by), int by) {
+    int looked_at = session_lamp(s), count = 0, last = -1;
+    float most = 0;
+    if (!needs_light(s)) return;
+    if (!can_switch(s)) {
+        session_say(s, false,
+                    lamps_of(s)->count == 0
+                        ? "there are no lamps that could be switched"
+                        : "lamps cannot be switched: the light of each is not known (`bake --lamps each`)");
+        return;
+    }
+    for (int i = 0; i < lamps_of(s)->count; i++) {
+        if (!is_meant(s, i, looked_at)) continue;
+        most = fmaxf(most, brightest(s->shown->lit[i]));
+        last = i;
+        count++;
+    }
+    if (count == 0) {
+        session_say(s, false, "no lamp is looked at, and there is none in %s (J lists all)", session_room(s));
+        return;
+    }
+    float share = next(most, by);
+    for (int i = 0; i < lamps_of(s)->count; i++)
+        if (is_meant(s, i, looked_at)) set_lamp(s, i, share);
+    light_thread_switch(s->shown->baking, s->shown->lit, lamps_of(s)->count);
+    say_lamps(s, count, last, share);
+}
+
+static float switched(float share, int by) {
+    (void)by;
+    return share > 0 ? 0 : 1;
+}
+
+static float dimmed(float share, int by) {
+    return fminf(fmaxf(roundf(share / TENTH + (float)by) * TENTH, 0), 1);
+}
+
+void session_switch_lamps(Session *s) { change_lamps(s, switched, 0); }
+void session_dim_lamps(Session *s, int by) { change_lamps(s, dimmed, by); }
+
+void session_list_lamps(Session *s) {
+    s->lamps = !s->lamps && lamps_of(s)->count > 0;
+    s->lamp_chosen = s->lamp_chosen < lamps_of(s)->count ? s->lamp_chosen : 0;
+    if (lamps_of(s)->count == 0) session_say(s, false, "there are no lamps that could be switched");
+}
+
+void session_choose_lamp(Session *s, int by) {
+    int count = lamps_of(s)->count;
+    if (count > 0) s->lamp_chosen = (s->lamp_chosen + by + count) % count;
+}
+
+const HudKey *session_lamp_list(const Session *s, int *count, Arena *arena) {
+    const Lamps *lamps = lamps_of(s);
+    if (!s->lamps || lamps->count == 0) return NULL;
+    int first = s->lamp_chosen - LIST_LINES / 2;
+    first = first + LIST_LINES > lamps->count ? lamps->count - LIST_LINES : first;
+    first = first < 0 ? 0 : first;
+    HudKey *lines = ARENA_ARRAY(arena, HudKey, LIST_LINES);
+    *count = 0;
+    for (int i = first; i < lamps->count && *count < LIST_LINES; i++) {
+        const Lamp *l = &lamps->lamps[i];
+        char state[48];
+        lamp_state_describe(lamps, i, s->shown->lit[i], state, sizeof state);
+        lines[(*count)++] =
+            (HudKey){arena_format(arena, "%s%d", i == s->lamp_chosen ? "> " : "", i + 1),
+                     arena_format(arena, "%s%s%s: %s", l->name, *l->room ? ", " : "", l->room, state)};
+    }
+    return lines;
 }

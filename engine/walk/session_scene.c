@@ -1,6 +1,8 @@
 // session_scene.c - the building shown: read, read again, and the places in it where the person stands.
 #include <stdio.h>
 
+#include <string.h>
+
 #include "engine/walk/session_state.h"
 
 // An eye that no body can come this near to, metres, is looked from in flight.
@@ -51,9 +53,16 @@ bool shown_upload(const Session *s, Shown *shown, Error *error) {
         shown_free(shown, 0);
         return false;
     }
+    const LoadedScene *scene = shown->scene.scene;
+    if (scene) {
+        shown->lit = ARENA_ARRAY(&shown->arena, Rgb, scene->lamps.count + 1);
+        memcpy(shown->lit, scene->lit, (size_t)scene->lamps.count * sizeof *shown->lit);
+    }
     if (!light && shown->scene.baker.bake)
         shown->baking =
             light_thread_start(&shown->scene.baker, s->options.wake, s->options.wake_context, &shown->arena);
+    if (shown->baking && scene && !scene_fully_lit(scene))
+        light_thread_switch(shown->baking, shown->lit, scene->lamps.count);
     return true;
 }
 

@@ -48,6 +48,7 @@ typedef struct Shown {
     float *drawn_open;    // [opening_count] the doors as the last frame shows them
     int *hidden;          // [object_count] room for the surfaces of cells that are not visible
     LightThread *baking;  // or NULL
+    Rgb *lit;             // [lamps of the scene] as they are switched
     bool told;            // the end of the bake has been reported
     struct Shown *next;   // in the list of those no longer shown whose light is still being baked
 } Shown;
@@ -58,7 +59,7 @@ typedef struct SessionSeen {
     double yaw, pitch, fov, scale, stops, message_since;
     float door_wanted;
     unsigned flags;
-    int choices[3], width, height, message, hint, door, door_halt, light_done;
+    int choices[3], width, height, message, hint, door, door_halt, light_done, lamp, lamp_chosen;
 } SessionSeen;
 
 // A building on its way (session_load.c).
@@ -80,6 +81,8 @@ struct Session {
     bool look_chosen;   // the look no longer changes by itself
     Exposure exposure;
     FalseColour false_colour;
+    bool lamps;       // the list of lamps is shown
+    int lamp_chosen;  // in it
     bool frozen, wireframe, stab_tree, plan, statistics, help, full_screen, mouse, ended;
     VisResult visible;
     // Time.
@@ -163,6 +166,19 @@ bool session_legend(const Session *s, HudLegend *out);  // false: no legend is s
 void session_brighten(Session *s, int by);
 void session_fix_exposure(Session *s);
 void session_change_colours(Session *s);
+
+// The lamp that the eye looks at, -1: none, or none that could be switched.
+int session_lamp(const Session *s);
+// How many of the building's lamps, [*count], are off.
+int session_dark_lamps(const Session *s, int *count);
+const char *session_lamp_prompt(const Session *s, int lamp, Arena *arena);
+// Switches the lamp chosen in the list, or the one looked at, or all of the room; or makes it brighter by so many tenths.
+void session_switch_lamps(Session *s);
+void session_dim_lamps(Session *s, int by);
+void session_list_lamps(Session *s);  // shows the list, or hides it
+void session_choose_lamp(Session *s, int by);
+// The lines of the list about the lamp chosen, [*count]; NULL: it is not shown.
+const HudKey *session_lamp_list(const Session *s, int *count, Arena *arena);
 
 // ---- session_state.c
 void session_say(Session *s, bool error, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -12,7 +12,7 @@ static bool same_material(const Material *a, const Material *b) {
     const Rgb *r = &a->reflectance, *s = &b->reflectance, *e = &a->emission, *f = &b->emission;
     return r->r == s->r && r->g == s->g && r->b == s->b && e->r == f->r && e->g == f->g && e->b == f->b &&
            a->alpha == b->alpha && a->mirror == b->mirror && a->index == b->index && a->gloss == b->gloss &&
-           a->texture == b->texture && a->texture_map == b->texture_map &&
+           a->texture == b->texture && a->texture_map == b->texture_map && a->spread == b->spread &&
            strcmp(a->name ? a->name : "", b->name ? b->name : "") == 0;
 }
 

@@ -24,6 +24,7 @@
 #include "engine/core/error.h"
 #include "engine/core/vec.h"
 #include "maps/building/curved.h"
+#include "maps/building/photometry.h"
 
 // The three channels of a spectrum: shares or W/m^2, as said at each field of this type.
 typedef struct Rgb {
@@ -38,11 +39,21 @@ static inline void rgb_doubles(Rgb from, double out[3]) {
 // The sum of three channels.
 static inline double rgb_sum(const double v[3]) { return v[0] + v[1] + v[2]; }
 
+// The one rule by which three channels become one number. Power, W/m^2, is the sum of the channels. A luminous quantity weights
+// each channel by its share in luminance (ITU-R BT.709), at 683 lm/W (the definition of the candela).
+#define LIGHT_LUMINOUS 0.2126, 0.7152, 0.0722
+#define LIGHT_LUMENS_PER_WATT 683.0
+static inline double light_luminous(const double w[3]) {
+    const double share[3] = {LIGHT_LUMINOUS};
+    return share[0] * w[0] + share[1] * w[1] + share[2] * w[2];
+}
+
 // The colour and optics of polygons.
 typedef struct Material {
     const char *name;
     Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE); of a texture its mean
     Rgb emission;     // radiant exitance, W/m^2
+    Rgb full;  // of a lamp that can be switched (lamps.h): its emission when it is fully lit; 0: of no such lamp
     // 1 opaque, whatever its texture; below 1 seen through, never an occluder; of a texture with holes the mean. At a point it is in
     // proportion to the opacity of the texture there and its mean.
     float alpha;
@@ -52,6 +63,8 @@ typedef struct Material {
     float gloss;  // of an opaque material: it reflects this share, 0 .. 1, of what lacquer of index 1.5 does
     // Its texture and, for polygons that have no map of their own, how the picture lies. 0: none.
     int texture, texture_map;
+    // How it emits, in Building.spreads; 0: by Lambert's cosine. What has a spread reflects nothing.
+    int spread;
 } Material;
 
 // A texture: a picture. Smaller levels follow its texels, each of half the sides (rounded down, at least 1) of the
@@ -209,6 +222,11 @@ typedef struct Light {
     double radius;  // metres
     Rgb flux;       // W
     int object;     // the lamp in which the light sits, or -1
+    // The photometric file that the light's own statement names; NULL: none.
+    const char *file;
+    // The table by which its light leaves, in Building.photometries; 0: none.
+    int photometry;
+    double turn;  // of the table's plane C0 from +x, radians counter-clockwise from above
 } Light;
 
 // Where and when a building stands, as far as its file says so.
@@ -271,6 +289,8 @@ typedef struct Building {
     Material *materials;
     Texture *textures;         // entry 0 is no texture
     TextureMap *texture_maps;  // entry 0 is no map
+    Photometry *photometries;  // entry 0 is no table
+    LampSpread *spreads;       // entry 0 is Lambert's cosine
     Storey *storeys;
     Region *regions;
     Ring *rings;
@@ -302,14 +322,14 @@ typedef struct Building {
     int material_count, texture_count, texture_map_count, storey_count, region_count, ring_count, point_count,
         opening_count, leaf_count, polygon_count, vertex_count, object_count, inlay_count, light_count,
         viewpoint_count, tour_point_count, tour_count, note_count, shape_count, control_count, trim_count,
-        ball_count, beside_count, band_count;
+        ball_count, beside_count, band_count, photometry_count, spread_count;
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
     int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
         ring_capacity, point_capacity, edge_capacity, edge_upper_capacity, band_capacity, opening_capacity,
         leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
         viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
-        control_capacity, trim_capacity, ball_capacity, beside_capacity;
+        control_capacity, trim_capacity, ball_capacity, beside_capacity, photometry_capacity, spread_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;

@@ -545,13 +545,31 @@ bool plan_close_shape(PlanLine *line, Building *models) {
 // ---- lights and stairs
 
 bool plan_light(PlanLine *line, const char *name, Light *out) {
-    double flux[3] = {0}, radius = 0.05;
+    double flux[3] = {0}, radius = 0.05, lumens = 0, turn = 0;
+    const char *file = NULL;
     Vec3 at;
-    PlanOption options[] = {
-        {.word = "flux", .kind = PLAN_SPECTRUM, .out = flux, .min = 0, .max = MAX_FLUX, .required = true},
-        {.word = "radius", .kind = PLAN_LENGTH, .out = &radius, .min = 0, .max = 10}};
-    if (!plan_place(line, "the light's place", true, &at) || !plan_options(line, options, 2)) return false;
-    *out = (Light){name, at, radius, {(float)flux[0], (float)flux[1], (float)flux[2]}, -1};
+    PlanOption options[] = {{.word = "flux", .kind = PLAN_SPECTRUM, .out = flux, .min = 0, .max = MAX_FLUX},
+                            {.word = "radius", .kind = PLAN_LENGTH, .out = &radius, .min = 0, .max = 10},
+                            {.word = "lumens",
+                             .kind = PLAN_PURE,
+                             .out = &lumens,
+                             .min = 0,
+                             .max = MAX_FLUX * LIGHT_LUMENS_PER_WATT},
+                            {.word = "photometry", .kind = PLAN_NAME, .out = &file},
+                            {.word = "angle", .kind = PLAN_ANGLE, .out = &turn, .min = -360, .max = 360}};
+    if (!plan_place(line, "the light's place", true, &at) || !plan_options(line, options, 5)) return false;
+    int given = options[0].given + options[2].given;
+    if (given > 1 || (given == 0 && !file))
+        return plan_fail(line, "a light %s (allowed: flux, or lumens, or a photometry with its own)",
+                         given > 1 ? "with both flux and lumens" : "without a flux");
+    for (int c = 0; c < 3 && options[2].given; c++) flux[c] = lumens / LIGHT_LUMENS_PER_WATT;
+    *out = (Light){.name = name,
+                   .position = at,
+                   .radius = radius,
+                   .flux = {(float)flux[0], (float)flux[1], (float)flux[2]},
+                   .object = -1,
+                   .file = file,
+                   .turn = turn};
     return true;
 }
 
@@ -715,6 +733,7 @@ bool plan_stand_model(PlanLine *line, Arena *arena, const Building *models, int 
         Light light = models->lights[i];
         if (light.object != model) continue;
         light.position = turn_point(&turn, light.position);
+        light.turn += stand.angle;
         light.name = name;
         light.object = object;
         *ARENA_PUSH(arena, b->lights, b->light_count, b->light_capacity) = light;

@@ -752,7 +752,7 @@ static void add_lights(Sh3d *s, const Piece *p, int object) {
         double y = (sh3d_number(s, child, "y", NAN, -100, 100) - 0.5) * p->depth;
         double z = sh3d_number(s, child, "z", NAN, -100, 100) * p->height;
         double diameter = sh3d_number(s, child, "diameter", 0, 0, 100);
-        Light light = {.name = p->name, .object = object};
+        Light light = {.name = p->name, .object = object, .turn = p->angle};
         light.position = vec3(p->at.x + c * x - sn * y, p->at.y + sn * x + c * y, p->z + z);
         light.radius = diameter > 0 ? diameter * p->width / 2 : DEFAULT_RADIUS;
         light.flux = lamp_flux(s, child, WATTS * power / sources);

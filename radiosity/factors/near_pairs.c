@@ -179,7 +179,7 @@ static bool lay_points(const NearPairs *self, const Patch *patch, const Axes *ax
     add_point(&list, 0, 0, 0);
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
         points += 4 * ((shapes->first[e + 1] - shapes->first[e] - 1) / 2);
-    int least = mesh_emits(mesh, patch->face) ? LEAST_LAMP_POINTS : LEAST_POINTS, parts = 1;
+    int least = mesh_is_lamp(mesh, patch->face) ? LEAST_LAMP_POINTS : LEAST_POINTS, parts = 1;
     while (points > 1 && (points - 1) * parts * parts < least &&
            (points - 1) * (parts + 1) * (parts + 1) < MOST_POINTS)
         parts++;

@@ -154,6 +154,12 @@ static inline const Material *mesh_material(const Mesh *mesh, int face) {
     return &mesh->graph->building->materials[mesh->faces[face].material];
 }
 
+// How the light of a face leaves where a photometric file tells it; NULL: by Lambert's cosine. What has a spread reflects nothing.
+static inline const LampSpread *mesh_spread(const Mesh *mesh, int face) {
+    int spread = mesh_material(mesh, face)->spread;
+    return spread > 0 ? &mesh->graph->building->spreads[spread] : NULL;
+}
+
 // Sets Mesh.reflectance, once the elements are made; mesh_build does.
 void mesh_find_reflectances(Mesh *mesh, Arena *arena);
 
@@ -186,6 +192,12 @@ Rgb mesh_reflectance_at(const Mesh *mesh, int face, Vec3 point, double width);
 static inline bool mesh_emits(const Mesh *mesh, int face) {
     Rgb e = mesh_material(mesh, face)->emission;
     return e.r + e.g + e.b > 0;
+}
+
+// Is a face part of a lamp, lit or not? Meshes and rows ask this: they are the same for all states of the lamps.
+static inline bool mesh_is_lamp(const Mesh *mesh, int face) {
+    Rgb full = mesh_material(mesh, face)->full;
+    return full.r + full.g + full.b > 0 || mesh_emits(mesh, face);
 }
 
 #endif

@@ -10,7 +10,7 @@ static const float LEAST_SHARE = 1e-3f;
 bool mesh_has_picture(const Mesh *mesh, int face) {
     const Material *m = mesh_material(mesh, face);
     return m->texture > 0 && (mesh->faces[face].texture_map > 0 || m->texture_map > 0) &&
-           !mesh_emits(mesh, face);
+           !mesh_is_lamp(mesh, face);
 }
 
 Rgb mesh_reflectance_at(const Mesh *mesh, int index, Vec3 point, double width) {

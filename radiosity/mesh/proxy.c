@@ -504,8 +504,8 @@ typedef struct Finder {
 } Finder;
 
 static bool polygon_emits(const CellGraph *graph, int polygon) {
-    Rgb e = graph->building->materials[graph->polygons[polygon].material].emission;
-    return e.r + e.g + e.b > 0;
+    const Material *m = &graph->building->materials[graph->polygons[polygon].material];
+    return m->emission.r + m->emission.g + m->emission.b > 0 || m->full.r + m->full.g + m->full.b > 0;
 }
 
 static bool is_fine(const Finder *f, int polygon) {

@@ -635,7 +635,7 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double lig
            root = root_edge(mesh, element);
     double edge = usual * pow(fmax(light / a->mean, DARK), -0.25);
     // For lamps, each of which shoots with more detail, a quarter of the root at least.
-    if (mesh_emits(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
+    if (mesh_is_lamp(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
     int depth = (int)lround(log2(root / edge));
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }
@@ -664,7 +664,7 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
         double light =
             dark_of(a, mesh, e) * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
         int square = element[e].x < element[e].y ? element[e].x : element[e].y;
-        bool lamp = mesh_emits(mesh, mesh->elements[e].face);
+        bool lamp = mesh_is_lamp(mesh, mesh->elements[e].face);
         patch[e] =
             limit(last && !lamp ? square - above[!is_surface(mesh, e)]
                                 : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));

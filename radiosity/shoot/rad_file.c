@@ -1,9 +1,11 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
 // Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, daylight, radiosities
-// of nodes if they were found, and the rest of these, splits of the mesh with these nodes if it is another. Meshes are not stored: they
+// of nodes if they were found, and the rest of these, splits of the mesh with these nodes if it is another, the state of each lamp, and the
+// light of each source by itself if it is known. Meshes are not stored: they
 // are made again from the building and their splits, and `geometry`, the hash of the elements and of the materials that their light
 // depends on, says whether the mesh came out the same.
+#include <math.h>
 #include <string.h>
 
 #include "engine/core/file.h"
@@ -11,7 +13,7 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-enum { VERSION = 7 };
+enum { VERSION = 8 };
 
 typedef struct Header {
     DerivedHead head;
@@ -27,6 +29,8 @@ typedef struct Header {
     double emitted[3], absorbed[3], escaped[3], outdoors[3];
     Daylight day;
     int64_t shots;
+    int32_t lamp_count, each_count;  // states of lamps; sources whose light is known by itself
+    int64_t each_bytes;
 } Header;
 
 static const DerivedKind KIND = {.magic = "ENFRAD",
@@ -38,6 +42,16 @@ static const DerivedKind KIND = {.magic = "ENFRAD",
 static uint64_t rest_hash(const Header *h) {
     const char *from = (const char *)&h->element_count;
     return file_hash(from, (size_t)((const char *)(h + 1) - from), VERSION);
+}
+
+static uint64_t spread_hash(const LampSpread *spread, uint64_t hash) {
+    const Photometry *t = spread->table;
+    size_t angles = (size_t)t->gamma_count, values = angles * (size_t)t->plane_count;
+    hash = file_hash(t->gamma, angles * sizeof *t->gamma, hash);
+    hash = file_hash(t->candela, values * sizeof *t->candela, hash);
+    if (t->plane_count > 1) hash = file_hash(t->plane, (size_t)t->plane_count * sizeof *t->plane, hash);
+    hash = file_hash(&spread->turn, sizeof spread->turn, hash);
+    return file_hash(&spread->side, sizeof spread->side, hash);
 }
 
 static uint64_t mesh_hash(const Mesh *mesh) {
@@ -52,8 +66,10 @@ static uint64_t mesh_hash(const Mesh *mesh) {
     // Glass has no faces; mirrors and gloss count in stills alone.
     for (int f = 0; f < mesh->face_count; f++) {
         const Material *m = mesh_material(mesh, f);
-        hash = file_hash(&m->emission, sizeof m->emission,
-                         file_hash(&m->reflectance, sizeof m->reflectance, hash));
+        Rgb full = m->full.r + m->full.g + m->full.b > 0 ? m->full : m->emission;
+        hash = file_hash(&full, sizeof full, file_hash(&m->reflectance, sizeof m->reflectance, hash));
+        const LampSpread *spread = mesh_spread(mesh, f);
+        if (spread) hash = spread_hash(spread, hash);
     }
     return hash;
 }
@@ -63,12 +79,12 @@ static int32_t proxy_of(const MeshOptions *options) {
     return options->proxies ? (int32_t)lrint(options->proxies->tolerance / PROXY_STEP) : 0;
 }
 
-typedef struct Sizes {
-    size_t doors, splits, radiosity, direct, unshot, daylight, nodes, rest, shown, total;
-} Sizes;
-
 // Doubles stay aligned.
 static size_t round_up(size_t bytes) { return (bytes + 7) / 8 * 8; }
+
+typedef struct Sizes {
+    size_t doors, splits, radiosity, direct, unshot, daylight, nodes, rest, shown, lit, each, total;
+} Sizes;
 
 static size_t bit_bytes(int32_t bits) { return bits > 0 ? ((size_t)bits + 7) / 8 : 0; }
 static size_t split_bytes(const Header *h) { return bit_bytes(h->split_bits); }
@@ -82,10 +98,134 @@ static Sizes sizes_of(const Header *h) {
                .daylight = (size_t)h->element_count * 3 * sizeof(double),
                .nodes = (size_t)h->node_count * 3 * sizeof(double),
                .rest = (size_t)h->rest_count * 3 * sizeof(double),
-               .shown = round_up(bit_bytes(h->shown_bits))};
-    s.total =
-        s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.rest + s.shown;
+               .shown = round_up(bit_bytes(h->shown_bits)),
+               .lit = round_up((size_t)h->lamp_count * sizeof(Rgb)),
+               .each = (size_t)h->each_bytes};
+    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.rest +
+              s.shown + s.lit + s.each;
     return s;
+}
+
+// ---- the light of each source: for each of its four vectors a SparseHead, blocks and values; then its powers
+
+typedef struct SparseHead {
+    int32_t count, block_count;
+    float greatest;
+    int32_t unused;
+} SparseHead;
+
+enum { VECTORS = 4 };
+
+// The vectors of a source.
+static void vectors_of(LampLight *light, SparseLight *out[VECTORS]) {
+    out[0] = &light->radiosity;
+    out[1] = &light->direct;
+    out[2] = &light->straight;
+    out[3] = &light->rest;
+}
+
+static size_t sparse_size(int block_count) {
+    return sizeof(SparseHead) + round_up((size_t)block_count * sizeof(int32_t)) +
+           (size_t)block_count * sizeof(uint32_t[LIGHT_BLOCK]);
+}
+
+static int64_t each_size(const RadSolution *s) {
+    size_t size = 0;
+    for (int i = 0; i < s->each_count; i++) {
+        LampLight light = s->each[i];
+        SparseLight *vector[VECTORS];
+        vectors_of(&light, vector);
+        for (int v = 0; v < VECTORS; v++) size += sparse_size(vector[v]->block_count);
+        size += sizeof light.emitted + sizeof light.absorbed + sizeof light.escaped;
+    }
+    return (int64_t)size;
+}
+
+static unsigned char *write_sparse(unsigned char *to, const SparseLight *light) {
+    SparseHead head = {light->count, light->block_count, light->greatest, 0};
+    size_t blocks = (size_t)light->block_count * sizeof(int32_t);
+    memcpy(to, &head, sizeof head);
+    if (light->block_count > 0) {
+        memcpy(to + sizeof head, light->block, blocks);
+        memcpy(to + sizeof head + round_up(blocks), light->value,
+               (size_t)light->block_count * sizeof *light->value);
+    }
+    return to + sparse_size(light->block_count);
+}
+
+static void write_each(unsigned char *to, const RadSolution *s) {
+    for (int i = 0; i < s->each_count; i++) {
+        LampLight light = s->each[i];
+        SparseLight *vector[VECTORS];
+        vectors_of(&light, vector);
+        for (int v = 0; v < VECTORS; v++) to = write_sparse(to, vector[v]);
+        memcpy(to, light.emitted, sizeof light.emitted);
+        memcpy(to + sizeof light.emitted, light.absorbed, sizeof light.absorbed);
+        memcpy(to + sizeof light.emitted + sizeof light.absorbed, light.escaped, sizeof light.escaped);
+        to += sizeof light.emitted + sizeof light.absorbed + sizeof light.escaped;
+    }
+}
+
+// Bytes of a body that are not read yet.
+typedef struct Rest {
+    const unsigned char *at;
+    size_t left;
+} Rest;
+
+static const void *take_rest(Rest *rest, size_t size) {
+    if (size > rest->left) return NULL;
+    const void *out = rest->at;
+    rest->at += size;
+    rest->left -= size;
+    return out;
+}
+
+static bool read_sparse(Rest *rest, int count, Arena *arena, SparseLight *out) {
+    SparseHead head;
+    const void *from = take_rest(rest, sizeof head);
+    if (!from) return false;
+    memcpy(&head, from, sizeof head);
+    int most = (count + LIGHT_BLOCK - 1) / LIGHT_BLOCK;
+    if (head.count != count || head.block_count < 0 || head.block_count > most ||
+        !(head.greatest >= 0 && isfinite(head.greatest)))
+        return false;
+    size_t blocks = (size_t)head.block_count * sizeof(int32_t),
+           values = (size_t)head.block_count * sizeof *out->value;
+    const void *block = take_rest(rest, round_up(blocks)), *value = take_rest(rest, values);
+    if (!block || !value) return false;
+    *out = (SparseLight){.count = count, .block_count = head.block_count, .greatest = head.greatest};
+    out->block = ARENA_ARRAY(arena, int, head.block_count + 1);
+    out->value = arena_alloc(arena, (size_t)head.block_count + 1, sizeof *out->value);
+    if (head.block_count > 0) {
+        memcpy(out->block, block, blocks);
+        memcpy(out->value, value, values);
+    }
+    for (int b = 0; b < head.block_count; b++)
+        if (out->block[b] < 0 || out->block[b] >= most || (b > 0 && out->block[b] <= out->block[b - 1]))
+            return false;
+    return true;
+}
+
+static bool read_each(const Header *h, const unsigned char *from, Arena *arena, RadSolution *s) {
+    Rest rest = {from, (size_t)h->each_bytes};
+    LampLight *each = ARENA_ARRAY(arena, LampLight, h->each_count + 1);
+    for (int i = 0; i < h->each_count; i++) {
+        SparseLight *vector[VECTORS];
+        vectors_of(&each[i], vector);
+        for (int v = 0; v < VECTORS; v++)
+            if (!read_sparse(&rest, v < 2 ? h->element_count : h->node_count, arena, vector[v])) return false;
+        double(*power[])[3] = {&each[i].emitted, &each[i].absorbed, &each[i].escaped};
+        for (int k = 0; k < 3; k++) {
+            const void *p = take_rest(&rest, sizeof *power[k]);
+            if (!p) return false;
+            memcpy(power[k], p, sizeof *power[k]);
+            for (int c = 0; c < 3; c++)
+                if (!((*power[k])[c] >= 0 && isfinite((*power[k])[c]))) return false;
+        }
+    }
+    s->each = h->each_count > 0 ? each : NULL;
+    s->each_count = h->each_count;
+    return rest.left == 0;
 }
 
 static const Building *building_of(const Mesh *mesh) { return mesh->graph->building; }
@@ -125,7 +265,11 @@ static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, c
     body += s.daylight;
     if (solution->node) memcpy(body, solution->node, s.nodes);
     if (h->rest_count > 0) memcpy(body + s.nodes, solution->rest, s.rest);
-    if (solution->shown) memcpy(body + s.nodes + s.rest, solution->shown->bits, bit_bytes(h->shown_bits));
+    body += s.nodes + s.rest;
+    if (solution->shown) memcpy(body, solution->shown->bits, bit_bytes(h->shown_bits));
+    body += s.shown;
+    if (h->lamp_count > 0) memcpy(body, solution->lit, (size_t)h->lamp_count * sizeof(Rgb));
+    write_each(body + s.lit, solution);
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
@@ -144,7 +288,10 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .proxy = proxy_of(&mesh->options),
                      .element = mesh->options.element,
                      .close = mesh->options.close,
-                     .shots = solution->shots};
+                     .shots = solution->shots,
+                     .lamp_count = solution->lit ? solution->lamp_count : 0,
+                     .each_count = solution->each_count,
+                     .each_bytes = each_size(solution)};
     memcpy(header.emitted, solution->emitted, sizeof header.emitted);
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
     memcpy(header.outdoors, solution->outdoors, sizeof header.outdoors);
@@ -165,8 +312,9 @@ static bool check_rest(const char *path, const Header *h, const Building *buildi
     bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_IN_PATCH;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
         h->patch_count >= 0 && h->node_count >= 0 && (h->rest_count == 0 || h->rest_count == h->node_count) &&
-        h->shown_bits >= 0 && (h->shown_bits == 0 || splits) &&
-        (splits || (h->split_bits == -1 && h->even == -1)))
+        h->shown_bits >= 0 && (h->shown_bits == 0 || splits) && h->lamp_count >= 0 &&
+        (h->each_count == 0 || h->each_count == h->lamp_count + daylight_shines(&h->day)) &&
+        h->each_bytes >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
         return true;
     return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
 }
@@ -231,7 +379,7 @@ static void *take_bytes(Arena *arena, const unsigned char *from, size_t size) {
     return memcpy(arena_alloc(arena, size, 1), from, size);
 }
 
-static void take_body(const Header *h, const unsigned char *body, Arena *arena, RadSolution *out) {
+static bool take_body(const Header *h, const unsigned char *body, Arena *arena, RadSolution *out) {
     Sizes s = sizes_of(h);
     *out = (RadSolution){.element_count = h->element_count,
                          .patch_count = h->patch_count,
@@ -259,11 +407,15 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
         *out->shown = (MeshSplits){.bit_count = h->shown_bits,
                                    .bits = take_bytes(arena, body + s.nodes + s.rest, s.shown)};
     }
+    body += s.nodes + s.rest + s.shown;
+    out->lamp_count = h->lamp_count;
+    if (h->lamp_count > 0) out->lit = take_bytes(arena, body, s.lit);
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
     memcpy(out->escaped, h->escaped, sizeof h->escaped);
     out->day = h->day;
     memcpy(out->outdoors, h->outdoors, sizeof h->outdoors);
+    return read_each(h, body + s.lit, arena, out);
 }
 
 // The checksums find accidents; this keeps a forged file from spreading numbers that are no light.
@@ -275,13 +427,20 @@ static bool is_light(double (*v)[3], int count) {
     return true;
 }
 
+static bool are_states(const Rgb *lit, int count) {
+    for (int i = 0; i < count; i++)
+        if (!(lit[i].r >= 0 && lit[i].g >= 0 && lit[i].b >= 0 && isfinite(lit[i].r + lit[i].g + lit[i].b)))
+            return false;
+    return true;
+}
+
 static bool check_light(const char *path, RadSolution *s, Error *error) {
-    if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
-        is_light(s->unshot, s->patch_count) && is_light(s->daylight, s->element_count) &&
-        is_light(s->node, s->node_count) && (!s->rest || is_light(s->rest, s->node_count)) &&
-        is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) &&
-        daylight_is_sound(&s->day) && is_light(&s->outdoors, 1) && s->shots >= 0 &&
-        s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+    if (are_states(s->lit, s->lamp_count) && is_light(s->radiosity, s->element_count) &&
+        is_light(s->direct, s->element_count) && is_light(s->unshot, s->patch_count) &&
+        is_light(s->daylight, s->element_count) && is_light(s->node, s->node_count) &&
+        (!s->rest || is_light(s->rest, s->node_count)) && is_light(&s->emitted, 1) &&
+        is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) && daylight_is_sound(&s->day) &&
+        is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }
@@ -293,7 +452,8 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
     const unsigned char *body;
     bool good = read_file(path, building_of(mesh), &scratch, &h, &body, error) &&
                 check_mesh(path, &h, mesh, door_open, body, error);
-    if (good) take_body(&h, body, arena, out);
+    if (good && !take_body(&h, body, arena, out))
+        good = error_set(error, "%s: is damaged: the light of its lamps is out of range", path);
     good = good && check_light(path, out, error);
     arena_free(&scratch);
     return good;

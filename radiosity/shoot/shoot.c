@@ -188,7 +188,7 @@ static void queue_reflected(Shooter *s, const Mesh *mesh) {
     if (s->options->lamps_only) return;
     shoot_elements_finish(s->elements);
     shoot_elements_store(s->elements, s->solution);
-    shoot_rows_find_strong(s->rows, s->solution);
+    if (!shoot_rows_settled(s->rows)) shoot_rows_find_strong(s->rows, s->solution);
     for (int p = 0; p < mesh->patch_count; p++)
         shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
 }
@@ -211,7 +211,8 @@ static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest
                           const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution};
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
-    s->rows = shoot_rows_new(mesh, forest, door_open, options, &solution->day, arena);
+    s->rows = options->rows ? options->rows
+                            : shoot_rows_new(mesh, forest, door_open, options, &solution->day, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
     s->elements = shoot_elements_new(mesh, solution, parallel_threads(options->threads), arena);
     s->receivers = ARENA_ARRAY(arena, Receiver, mesh->patch_count);
@@ -508,6 +509,10 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
         if (mesh->patches[p].area >= RAD_SMALL && rgb_sum(s->solution->reflected[p]) > 0) patch[count++] = p;
     }
     bool go_on = gather_patches(s, &g, patch, count, progress);
+    if (shoot_rows_settled(s->rows)) {
+        arena_free(&arena);
+        return go_on;
+    }
     qsort_r(patch, (size_t)count, sizeof *patch, noisiest_first, g.noise);
     while (noisy < MOST_NOISY * count && (double)g.noise[patch[noisy]] > MOST_NOISE) noisy++;
     qsort(patch, (size_t)noisy, sizeof *patch, by_index);
@@ -518,6 +523,7 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     noisy = left;
     for (int i = 0; i < noisy; i++) shoot_rows_refine(s->rows, patch[i]);
     go_on = go_on && gather_patches(s, &g, patch, noisy, progress);
+    if (go_on) shoot_rows_settle(s->rows);
     arena_free(&arena);
     return go_on;
 }
@@ -551,7 +557,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     report.shots = solution->shots - first;
     shoot_rows_report(s.rows, &report);
     shoot_elements_end(s.elements);
-    shoot_rows_end(s.rows);
+    if (!options->rows) shoot_rows_end(s.rows);
     arena_free(&arena);
     return report;
 }

@@ -8,8 +8,10 @@
 #include "engine/core/progress.h"
 #include "radiosity/daylight/daylight.h"
 #include "radiosity/factors/form_factor.h"
+#include "radiosity/shoot/lamp_light.h"
 
 typedef struct RadSolution RadSolution;
+typedef struct ShootRows ShootRows;  // shoot_rows.h
 
 // How light is shot, and when to stop.
 typedef struct RadOptions {
@@ -28,6 +30,9 @@ typedef struct RadOptions {
     double looks;
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
+    // The rows of this mesh, the caller's, who goes on with them: the next light is shot along the same rows. NULL: rad_shoot makes its
+    // own. Once light was gathered along them it is known which patches are strong, and which are noisy.
+    ShootRows *rows;
     // Called with the solution so far, between shots, by the thread that shoots, whenever `show_due` returns true; NULL: never.
     void (*show)(void *context, const RadSolution *so_far);
     bool (*show_due)(void *context);
@@ -53,7 +58,7 @@ struct RadSolution {
     double (*radiosity)[3];
     // [element_count] the part of `radiosity` that came straight from lamps, as it was shot; the light of the sky is not in it.
     double (*direct)[3];
-    // [element_count] the part of `radiosity` that came straight from sun and sky
+    // [element_count] the part of `radiosity` that came straight from sun and sky; NULL on a mesh that only shows light, like `sun`
     double (*daylight)[3];
     // [patch_count] if `gathered`: the irradiance by reflected light and by sky and ground, gathered along each patch's row once the light
     // is shot. An element has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does
@@ -84,6 +89,13 @@ struct RadSolution {
     double (*rest)[3];
     int node_count;
     MeshSplits *shown;  // of the mesh that shows the light (shown.h); NULL: it is the mesh of the elements
+    // The state of the lamps under which all this is the light (lamps.h), [lamp_count]; 0 and NULL: all are fully lit.
+    const Rgb *lit;
+    int lamp_count;
+    // The light of each source by itself, [lamp_count] of lamps, then that of the day if it shines; NULL: not known. All other fields are
+    // their sum.
+    const LampLight *each;
+    int each_count;
 };
 
 // The work that was done.

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "engine/core/parallel.h"
+#include "radiosity/factors/lamp_spread.h"
 #include "radiosity/factors/near_pairs.h"
 #include "radiosity/mesh/lines.h"
 
@@ -27,10 +28,11 @@ typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
     FormFactor *form_factor, *of_lamps, *of_small;
-    NearPairs *near;    // NULL: patches are points
-    char *block;        // where its next kept row goes
-    size_t block_left;  // bytes
-    size_t kept_bytes;  // of all its blocks
+    NearPairs *near;      // NULL: patches are points
+    SpreadRows *spreads;  // of lamps by candela tables; NULL: there are none
+    char *block;          // where its next kept row goes
+    size_t block_left;    // bytes
+    size_t kept_bytes;    // of all its blocks
     long long kept_count, made_bytes, faces;
     Panes panes;  // before the patch whose row is made
     double seconds_visibility;
@@ -72,14 +74,15 @@ struct ShootRows {
     bool *there;    // [patch_count]
     bool *strong;   // [patch_count]
     bool *fine;     // [patch_count] the row has as many directions as those of lamps
-    bool full;
+    bool full, settled;
+    bool any_spread;  // lamps send their light by candela tables
     long long made;
 };
 
 // A lamp's light is not one of many as the light of walls is: its samples err alone. Where lamps are very many, they are.
 static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
-    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_emits(mesh, mesh->patches[p].face);
+    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_is_lamp(mesh, mesh->patches[p].face);
     while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
     while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
     return detail > 1 ? resolution * detail : resolution;
@@ -123,6 +126,7 @@ static void equip_maker(void *context, int index, int thread) {
     if (of_lamps.resolution != usual.resolution)
         maker->of_lamps = form_factor_new(method, rows->mesh, &of_lamps, &maker->arena);
     maker->of_small = form_factor_new(method, rows->mesh, &of_small, &maker->arena);
+    if (rows->any_spread) maker->spreads = spread_rows_new(rows->mesh, &of_lamps, &maker->arena);
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -145,6 +149,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
     rows->of_small = rows->usual;
     rows->of_small.resolution = small_resolution(options);
+    for (int f = 0; f < mesh->face_count; f++) rows->any_spread = rows->any_spread || mesh_spread(mesh, f);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
@@ -168,6 +173,7 @@ void shoot_rows_end(ShootRows *rows) {
         Maker *maker = &rows->makers[t];
         if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
         form_factor_end(maker->of_small);
+        if (maker->spreads) spread_rows_end(maker->spreads);
         form_factor_end(maker->form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);
@@ -358,7 +364,7 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
         int cell = mesh->patches[p].cell < 0 ? cells : mesh->patches[p].cell;
         double mean = fmax(light[cell] / area[cell], DIM * all / all_area);
         strength[p].times =
-            mean > 0 && !mesh_emits(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
+            mean > 0 && !mesh_is_lamp(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
     }
     qsort(strength, (size_t)count, sizeof *strength, strongest_first);
     for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++)
@@ -368,13 +374,16 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
 
 const bool *shoot_rows_strong(const ShootRows *rows) { return rows->strong; }
 
+void shoot_rows_settle(ShootRows *rows) { rows->settled = true; }
+bool shoot_rows_settled(const ShootRows *rows) { return rows->settled; }
+
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
     Maker *maker = &rows->makers[thread];
     Slot *slot = &rows->slots[rows->making[index]];
     const Patch *patch = &rows->mesh->patches[slot->patch];
     ViewPoint from = {patch->centre, rows->mesh->faces[patch->face].plane.n, patch->cell};
-    bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
+    bool lamp = rows->fine[slot->patch] || mesh_is_lamp(rows->mesh, patch->face);
     panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
                &maker->panes);
     FormFactor *form_factor = lamp                  ? maker->of_lamps
@@ -383,9 +392,11 @@ static void make_row(void *context, int index, int thread) {
     double (*now)(void) = rows->options->clock, start = now ? now() : 0;
     const View *view = form_factor_look(form_factor, maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;
-    const Row *row = form_factor_row(form_factor, view);
     maker->faces += view->face_count;
-    if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
+    bool spread = mesh_spread(rows->mesh, patch->face) != NULL;
+    const Row *row = spread ? spread_row(maker->spreads, maker->viewer, rows->options->culling, slot->patch)
+                            : form_factor_row(form_factor, view);
+    if (maker->near && !spread) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs.count, row->count);
     maker->made_bytes += (long long)bytes;

@@ -22,7 +22,6 @@ typedef struct ShootRow {
     double sky_light, ground_light;  // as in Row
 } ShootRow;
 
-typedef struct ShootRows ShootRows;
 // `day`: whose sky the rows tell; it must outlive them.
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, const Daylight *day, Arena *arena);
@@ -32,6 +31,9 @@ void shoot_rows_end(ShootRows *rows);
 // for the light of their cell. Direct light must be complete in the solution. To be called before any patch but lamps gets a row; without
 // the call no patch is strong.
 void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution);
+// Light was gathered along these rows: none is made anew with more directions from now on. And was it?
+void shoot_rows_settle(ShootRows *rows);
+bool shoot_rows_settled(const ShootRows *rows);
 // [patch_count]
 const bool *shoot_rows_strong(const ShootRows *rows);
 

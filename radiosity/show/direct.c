@@ -1,923 +1,22 @@
-// direct.c - direct light at nodes: for each patch the lamps in front of it, for each lamp the faces that may stand between the two,
-// for each node the parts of the lamps that these faces leave in sight (analytic.h).
-//
-// The stab trees tell which lamps an object may see, and portals by which ways (lamp_ways.h). A face can stand between a patch and
-// a lamp only where it meets the convex hull of the two: the shaft of Haines & Wallace (Shaft Culling for Efficient Ray-Traced
-// Radiosity, 1991). Shafts of batches of patches find faces in a tree of boxes; shafts of patches choose among these.
-#include "radiosity/show/direct.h"
-
-#include <limits.h>
+// direct.c - light as it is shown: straight from lamps and the sun at the nodes of a mesh that is finer where this light bends, and all
+// other light as elements and rows tell it.
 #include <stdlib.h>
 
-#include "engine/core/box_tree.h"
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
-#include "radiosity/factors/analytic.h"
-#include "radiosity/factors/view.h"
 #include "radiosity/shoot/sunlight.h"
-#include "radiosity/show/bends.h"
-#include "radiosity/show/lamp_ways.h"
+#include "radiosity/show/direct_points.h"
 #include "radiosity/show/reconstruct.h"
-#include "radiosity/show/reflected.h"
 #include "radiosity/show/shown.h"
-#include "radiosity/show/sun_nodes.h"
-
-// A node lies on edges, where other faces touch: light is found this share of the way to the middle of the node's elements, and metres
-// at most. That is above the rounding of coordinates and below a visible distance.
-static const double HAIR = 0.01, LONGEST_HAIR = 1e-3;
-static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
-// Faces that are remembered because they hid all of a lamp.
-enum { CLOSERS = 8 };
-// Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
-// looks at progress.
-enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 32 };
-// Patches for which what stands before lamps is found at a time.
-enum { TOGETHER = 4 };
-// Points of two meshes nearer than this are in one place, metres.
-static const double SAME_PLACE = 1e-7;
-
-// A face in the axes of a group: z is the normal of the face that the group is on.
-typedef struct Blocker {
-    int face, first, count;  // of its corners, in Worker.corner
-    double size;             // m^2
-    Plane plane;
-} Blocker;
-
-// A face of a lamp that looks at a group.
-typedef struct Facing {
-    int face, first, count;  // of its corners, in Worker.corner
-    Plane plane;
-    double emitted[3];  // W/m^2
-    int first_blocker,
-        blocker_count;  // of a patch: in Worker.blocker, those that are not wholly behind the face
-} Facing;
-
-// The faces of a lamp object that look at a group or a patch, and the faces that may hide them.
-typedef struct Before {
-    int object;                        // in Direct.lamp_objects
-    Vec3 box[8];                       // corners of its box
-    int first_facing, facing_count;    // in Worker.facing
-    int first_blocker, blocker_count;  // in Worker.blocker
-    int first_pane, pane_count;        // in Worker.panes: those that may stand between
-} Before;
-
-// An object of lamps before a batch, and the faces that may stand between the two.
-typedef struct Near {
-    int object, first, count;  // in Worker.between
-} Near;
-
-// The light that a group has found at a node.
-typedef struct NodeLight {
-    int group, corner;  // one more than the group's index; in Mesh.corners
-} NodeLight;
-
-// Points whose light is known within an element, beyond its corners.
-typedef struct Within {
-    const BendPoint *points;  // [count] NULL: it does not bend
-    int count;
-    bool middle_known;
-    double middle[3];  // irradiance at its centroid, W/m^2
-} Within;
-
-typedef struct Worker {
-    Arena arena, bends;
-    BoxHits hits;
-    Near *near;
-    int *between;  // faces
-    int near_count, near_capacity, between_count, between_capacity;
-    Vec3 *corner;
-    int corner_count, corner_capacity;
-    Blocker *blocker;
-    int blocker_count, blocker_capacity;
-    Facing *facing;
-    int facing_count, facing_capacity;
-    Before *before;
-    int before_count, before_capacity;
-    AnalyticOccluder *occluder;
-    Plane *edge;
-    Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
-    int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
-    Pane *panes;
-    int pane_count, pane_capacity;
-    const struct Frame *frame;  // of the group
-    LampFlood *flood;
-    double (*light)[3];  // irradiance at the corners of an element
-    int light_capacity;
-    BendFinder *finder;
-    NodeLight *of_node;   // [nodes->count]
-    bool sampled;         // not all faces of a lamp were asked
-    int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
-    int closer_count;
-    SunPatch *sun;  // NULL: there is no sun
-    RadReport report;
-} Worker;
-
-typedef struct Group {
-    int face, first_patch, patch_count;
-} Group;
-
-typedef struct Batch {
-    int first_group, group_count;
-} Batch;
-
-// Lamps of one object: Direct.lamp[first] and so on.
-typedef struct LampObject {
-    int object, first, count;
-    Box box;
-} LampObject;
-
-typedef struct Direct {
-    const Mesh *mesh;
-    const Nodes *nodes;
-    BoxTree tree;  // of faces
-    double *size;  // [face_count] m^2
-    int *lamp;     // [lamp_count] faces that emit
-    int lamp_count;
-    Vec3 *place;  // of each vertex in Mesh.outline
-    LampObject *lamp_objects;
-    LampWays *ways;  // to lamp objects
-    bool lamps;      // their light is looked for
-    SunNodes *sun;   // NULL: there is none
-    Group *groups;
-    Batch *batches;
-    int lamp_object_count, group_count, batch_count, first;  // `first` batch of this look
-    int threads;
-    Arena arena;             // of the workers
-    Worker *workers;         // [threads]
-    double (*at_corner)[3];  // [corner_count]
-    bool *known;             // [corner_count] its light is in `at_corner`; NULL: none is
-    bool *settled;           // [patch_count] all light of its corners is known
-    // [element_count] other light, W/m^2; NULL: bends are not looked for
-    const double *besides;
-    Bend **bends;    // [element_count]
-    Within *within;  // [element_count]
-} Direct;
-
-// ---- groups and patches
-
-// The axes of a group, and its face's.
-typedef struct Frame {
-    Vec3 origin, x, y, z;
-} Frame;
-
-static Vec3 to_frame(const Frame *f, Vec3 v) {
-    Vec3 p = vec3_sub(v, f->origin);
-    return vec3(vec3_dot(f->x, p), vec3_dot(f->y, p), vec3_dot(f->z, p));
-}
-
-// The corners of a face, at the end of Worker.corner.
-static Vec3 *take_corners(const Direct *d, Worker *w, const Frame *frame, int face, int *count) {
-    const Face *f = &d->mesh->faces[face];
-    w->corner = arena_room(&w->arena, w->corner, sizeof *w->corner, w->corner_count,
-                           w->corner_count + f->vertex_count, &w->corner_capacity);
-    Vec3 *out = w->corner + w->corner_count;
-    for (int i = 0; i < f->vertex_count; i++)
-        out[i] = to_frame(frame, d->mesh->vertices[d->mesh->outline[f->first_vertex + i]]);
-    *count = f->vertex_count;
-    w->corner_count += f->vertex_count;
-    return out;
-}
-
-// The rectangle about the elements of some patches, in the plane of the face.
-static void bound_patches(const Direct *d, const Frame *frame, int first, int count, Vec3 out[4]) {
-    const Mesh *mesh = d->mesh;
-    double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
-    for (int p = first; p < first + count; p++) {
-        const Patch *patch = &mesh->patches[p];
-        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-            const Element *element = &mesh->elements[e];
-            for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-                Vec3 v = to_frame(frame, mesh->vertices[mesh->corners[c]]);
-                x0 = fmin(x0, v.x), x1 = fmax(x1, v.x);
-                y0 = fmin(y0, v.y), y1 = fmax(y1, v.y);
-            }
-        }
-    }
-    x0 -= LONGEST_HAIR, x1 += LONGEST_HAIR, y0 -= LONGEST_HAIR, y1 += LONGEST_HAIR;
-    out[0] = vec3(x0, y0, 0), out[1] = vec3(x1, y0, 0), out[2] = vec3(x1, y1, 0), out[3] = vec3(x0, y1, 0);
-}
-
-static Plane plane_in(const Direct *d, const Frame *frame, int face) {
-    Plane plane = d->mesh->faces[face].plane;
-    Vec3 n = vec3(vec3_dot(frame->x, plane.n), vec3_dot(frame->y, plane.n), vec3_dot(frame->z, plane.n));
-    return (Plane){n, -plane_distance(plane, frame->origin)};
-}
-
-// Has the lamp a part above the rectangle's plane, and the rectangle one before the lamp?
-static bool face_each_other(const Vec3 rectangle[4], const Vec3 *corner, int count, Plane plane) {
-    bool above = false, before = false;
-    for (int i = 0; i < count; i++) above = above || corner[i].z > SHAFT_TOUCH;
-    for (int i = 0; i < 4; i++) before = before || plane_distance(plane, rectangle[i]) > SHAFT_TOUCH;
-    return above && before;
-}
-
-static int larger_first(const void *a, const void *b) {
-    const Blocker *p = a, *q = b;
-    if (p->size != q->size) return p->size > q->size ? -1 : 1;
-    return p->face - q->face;
-}
-
-// The two ends of a shaft, in building space.
-typedef struct Ends {
-    const Vec3 *one, *other;
-    int one_count, other_count;
-    int but;  // the face that the one end lies on, -1: none
-} Ends;
-
-static bool closes(const Direct *d, const Ends *ends, int face) {
-    const Face *f = &d->mesh->faces[face];
-    return face != ends->but && shaft_is_closed(d->place + f->first_vertex, f->vertex_count, f->plane,
-                                                ends->one, ends->one_count, ends->other, ends->other_count);
-}
-
-static void note_closer(Worker *w, int face, int at) {
-    memmove(w->closer + 1, w->closer, (size_t)at * sizeof *w->closer);
-    w->closer[0] = face;
-}
-
-// Is the shaft closed by a face that closed another one lately? A wall hides a lamp from all that lies behind the wall.
-static bool closed_as_lately(const Direct *d, Worker *w, const Ends *ends) {
-    for (int i = 0; i < w->closer_count; i++) {
-        int face = w->closer[i];
-        if (!closes(d, ends, face)) continue;
-        note_closer(w, face, i);
-        return true;
-    }
-    return false;
-}
-
-// Is the shaft closed by this face?
-static bool closed_by(const Direct *d, Worker *w, const Ends *ends, int face) {
-    if (!closes(d, ends, face)) return false;
-    if (w->closer_count < CLOSERS) w->closer_count++;
-    note_closer(w, face, w->closer_count - 1);
-    return true;
-}
-
-static Vec3 from_frame(const Frame *f, Vec3 v) {
-    Vec3 p = vec3_add(vec3_scale(f->x, v.x), vec3_scale(f->y, v.y));
-    return vec3_add(f->origin, vec3_add(p, vec3_scale(f->z, v.z)));
-}
-
-// The lamp's face, if it looks at the group.
-static void take_facing(const Direct *d, Worker *w, const Frame *frame, const Vec3 rectangle[4], int face) {
-    int count, corners = w->corner_count;
-    Plane plane = plane_in(d, frame, face);
-    const Vec3 *corner = take_corners(d, w, frame, face, &count);
-    if (!face_each_other(rectangle, corner, count, plane)) {
-        w->corner_count = corners;
-        return;
-    }
-    w->facing = arena_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
-                           &w->facing_capacity);
-    Facing *facing = &w->facing[w->facing_count++];
-    *facing = (Facing){.face = face, .first = corners, .count = count, .plane = plane};
-    rgb_doubles(mesh_material(d->mesh, face)->emission, facing->emitted);
-}
-
-static void put_before(Worker *w, Before before) {
-    w->before = arena_room(&w->arena, w->before, sizeof *w->before, w->before_count, w->before_count + 1,
-                           &w->before_capacity);
-    w->before[w->before_count++] = before;
-}
-
-static void put_blocker(Worker *w, Blocker blocker) {
-    w->blocker = arena_room(&w->arena, w->blocker, sizeof *w->blocker, w->blocker_count, w->blocker_count + 1,
-                            &w->blocker_capacity);
-    w->blocker[w->blocker_count++] = blocker;
-}
-
-// Lists the panes of glass in a shaft, at the end of Worker.panes.
-static void take_panes(const Direct *d, Worker *w, const Shaft *shaft, Before *before) {
-    before->first_pane = w->pane_count;
-    for (int i = 0; i < d->mesh->panes.count; i++) {
-        Vec3 corner[4];
-        pane_corners(&d->mesh->panes.panes[i], corner);
-        if (!shaft_is_met(shaft, corner, 4)) continue;
-        w->panes = arena_room(&w->arena, w->panes, sizeof *w->panes, w->pane_count, w->pane_count + 1,
-                              &w->pane_capacity);
-        w->panes[w->pane_count++] = d->mesh->panes.panes[i];
-    }
-    before->pane_count = w->pane_count - before->first_pane;
-}
-
-// Puts a lamp object before the group, with the faces in the shaft between them, unless one of these hides all of it.
-static void take_lamps(const Direct *d, Worker *w, const Frame *frame, const Vec3 rectangle[4], int own,
-                       const Near *near) {
-    const LampObject *lamps = &d->lamp_objects[near->object];
-    int facing = w->facing_count, blockers = w->blocker_count, corners = w->corner_count;
-    Vec3 there[4];
-    Before before = {.first_facing = facing, .first_blocker = blockers};
-    for (int k = lamps->first; k < lamps->first + lamps->count; k++)
-        if (d->lamp[k] != own) take_facing(d, w, frame, rectangle, d->lamp[k]);
-    if (w->facing_count == facing) return;
-    box_corners(lamps->box, before.box);
-    for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
-    Ends ends = {there, before.box, 4, 8, own};
-    Shaft shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, lamps->box);
-    bool closed = closed_as_lately(d, w, &ends) ||
-                  !lamp_flood_reaches(w->flood, &shaft, d->mesh->faces[own].object, lamps->object);
-    for (int i = near->first; i < near->first + near->count && !closed; i++) {
-        int other = w->between[i], count, first = w->corner_count;
-        const Face *f = &d->mesh->faces[other];
-        if (other == own || !shaft_is_met(&shaft, d->place + f->first_vertex, f->vertex_count)) continue;
-        closed = closed_by(d, w, &ends, other);
-        take_corners(d, w, frame, other, &count);
-        put_blocker(w, (Blocker){other, first, count, d->size[other], plane_in(d, frame, other)});
-    }
-    if (closed) {
-        w->corner_count = corners;
-        w->facing_count = facing;
-        w->blocker_count = blockers;
-        return;
-    }
-    qsort(w->blocker + blockers, (size_t)(w->blocker_count - blockers), sizeof *w->blocker, larger_first);
-    for (int i = 0; i < 8; i++) before.box[i] = to_frame(frame, before.box[i]);
-    before.facing_count = w->facing_count - facing;
-    before.blocker_count = w->blocker_count - blockers;
-    before.object = near->object;
-    take_panes(d, w, &shaft, &before);
-    put_before(w, before);
-}
-
-// Has the face a part in front of the plane, or does it lie in it?
-static bool is_before(const Vec3 *corner, int count, Plane plane) {
-    bool in_plane = true;
-    for (int i = 0; i < count; i++) {
-        double distance = plane_distance(plane, corner[i]);
-        if (distance > SHAFT_TOUCH) return true;
-        in_plane = in_plane && distance >= -SHAFT_TOUCH;
-    }
-    return in_plane;
-}
-
-// Lists the faces that may hide one face of a lamp object.
-static void share_blockers(Worker *w, const Before *before, Facing *facing) {
-    facing->first_blocker = w->blocker_count;
-    for (int i = before->first_blocker; i < before->first_blocker + before->blocker_count; i++) {
-        Blocker b = w->blocker[i];
-        if (b.face != facing->face && is_before(w->corner + b.first, b.count, facing->plane))
-            put_blocker(w, b);
-    }
-    facing->blocker_count = w->blocker_count - facing->first_blocker;
-}
-
-// The lamp object of a group before one of its patches.
-static void narrow(const Direct *d, Worker *w, const Vec3 there[4], const Vec3 rectangle[4], int own,
-                   Before before) {
-    int facing = w->facing_count, blockers = w->blocker_count;
-    Box box = d->lamp_objects[before.object].box;
-    for (int i = before.first_facing; i < before.first_facing + before.facing_count; i++) {
-        Facing f = w->facing[i];
-        if (!face_each_other(rectangle, w->corner + f.first, f.count, f.plane)) continue;
-        w->facing = arena_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
-                               &w->facing_capacity);
-        w->facing[w->facing_count++] = f;
-    }
-    if (w->facing_count == facing) return;
-    if (before.blocker_count > 0) {
-        Vec3 corner[8];
-        box_corners(box, corner);
-        Ends ends = {there, corner, 4, 8, own};
-        bool closed = closed_as_lately(d, w, &ends);
-        Shaft shaft = {0};
-        if (!closed) {
-            shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, box);
-            closed = !lamp_flood_reaches(w->flood, &shaft, d->mesh->faces[own].object,
-                                         d->lamp_objects[before.object].object);
-        }
-        for (int i = before.first_blocker; i < before.first_blocker + before.blocker_count && !closed; i++) {
-            Blocker b = w->blocker[i];
-            if (!shaft_is_met(&shaft, d->place + d->mesh->faces[b.face].first_vertex, b.count)) continue;
-            closed = closed_by(d, w, &ends, b.face);
-            put_blocker(w, b);
-        }
-        if (closed) {
-            w->facing_count = facing;
-            w->blocker_count = blockers;
-            return;
-        }
-    }
-    before.first_facing = facing;
-    before.facing_count = w->facing_count - facing;
-    before.first_blocker = blockers;
-    before.blocker_count = w->blocker_count - blockers;
-    for (int i = facing; i < w->facing_count; i++) share_blockers(w, &before, &w->facing[i]);
-    put_before(w, before);
-}
-
-// ---- points
-
-// Corners about a point, in Worker.moved.
-static Vec3 *move_corners(Worker *w, const Vec3 *corner, int count, Vec3 point) {
-    w->moved = arena_room(&w->arena, w->moved, sizeof *w->moved, 0, count, &w->moved_capacity);
-    for (int i = 0; i < count; i++) w->moved[i] = vec3_sub(corner[i], point);
-    return w->moved;
-}
-
-// Faces hide as in views: of two in one place fronts hide backs, then the lower index (form_factor_rank).
-static int rank_of(int face, Plane plane, Vec3 point) {
-    ViewFace view = {.face = face, .d = -plane_distance(plane, point)};
-    return form_factor_rank(&view);
-}
-
-// The part of a lamp that a face hides from a point.
-enum { HIDES_NONE, HIDES_SOME, HIDES_ALL };
-
-// A quick test before any polygon is cut. `moved` and `lamp` are the corners of both about the point.
-static int hidden_part(const Blocker *b, const Vec3 *moved, const Vec3 *lamp, int count, Vec3 point) {
-    double height = plane_distance(b->plane, point), sign = height > 0 ? -1 : 1;
-    int beyond = 0, in_plane = 0;
-    if (fabs(height) <= SHAFT_TOUCH) return HIDES_NONE;  // seen edge-on
-    for (int k = 0; k < count; k++) {
-        double behind = sign * (vec3_dot(b->plane.n, lamp[k]) + height);
-        beyond += behind > SHAFT_TOUCH;
-        in_plane += fabs(behind) <= SHAFT_TOUCH;
-    }
-    if (beyond == 0 && in_plane < count) return HIDES_NONE;
-    bool all = beyond == count;
-    for (int i = 0; i < b->count; i++) {
-        Vec3 edge = vec3_cross(moved[i], moved[i + 1 < b->count ? i + 1 : 0]);
-        double least = SHAFT_TOUCH * SHAFT_TOUCH * vec3_dot(edge, edge);
-        int inside = 0;
-        for (int k = 0; k < count; k++) {
-            double height_in = sign * vec3_dot(edge, lamp[k]);
-            inside += height_in > 0 && height_in * height_in > least;
-        }
-        if (inside == 0 && least > 0) return HIDES_NONE;
-        all = all && inside == count;
-    }
-    return all ? HIDES_ALL : HIDES_SOME;
-}
-
-// Corners about a point, in Worker.lamp.
-static Vec3 *move_lamp(Worker *w, const Vec3 *corner, int count, Vec3 point) {
-    w->lamp = arena_room(&w->arena, w->lamp, sizeof *w->lamp, 0, count, &w->lamp_capacity);
-    for (int i = 0; i < count; i++) w->lamp[i] = vec3_sub(corner[i], point);
-    return w->lamp;
-}
-
-static int hides_lamp(Worker *w, const Blocker *b, const Vec3 *lamp, int count, Vec3 point) {
-    return hidden_part(b, move_corners(w, w->corner + b->first, b->count, point), lamp, count, point);
-}
-
-// The cones of the faces that hide some of a lamp's face from the point: returns how many, or -1 where one of them hides all of it. That
-// one is then the first to be asked for the next point.
-static int find_occluders(Worker *w, const Facing *facing, const Vec3 *lamp, Vec3 point) {
-    int occluders = 0, edges = 0;
-    Blocker *blocker = w->blocker + facing->first_blocker;
-    for (int i = 0; i < facing->blocker_count; i++) {
-        Blocker b = blocker[i];
-        int part = hides_lamp(w, &b, lamp, facing->count, point);
-        if (part == HIDES_ALL) {
-            memmove(blocker + 1, blocker, (size_t)i * sizeof *blocker);
-            blocker[0] = b;
-            return -1;
-        }
-        if (part == HIDES_NONE) continue;
-        w->edge = arena_room(&w->arena, w->edge, sizeof *w->edge, edges, edges + b.count, &w->edge_capacity);
-        w->occluder = arena_room(&w->arena, w->occluder, sizeof *w->occluder, occluders, occluders + 1,
-                                 &w->occluder_capacity);
-        AnalyticOccluder *o = &w->occluder[occluders];
-        if (!analytic_occluder(w->moved, b.count, rank_of(b.face, b.plane, point), w->edge + edges, o))
-            continue;
-        edges += o->edge_count;
-        occluders++;
-    }
-    return occluders;
-}
-
-// The share of the light from the point, about z, that meets the lamp's face; below 0: a face hides all of it.
-static double share_in_sight(Worker *w, const Before *before, const Facing *facing, Vec3 point) {
-    AnalyticSight sight = {0};
-    Panes panes = {w->panes + before->first_pane, NULL, before->pane_count};
-    const Vec3 *lamp = move_lamp(w, w->corner + facing->first, facing->count, point);
-    int occluders = find_occluders(w, facing, lamp, point);
-    w->report.direct_pairs++;
-    if (occluders < 0) return -1;
-    if (occluders == 0 && panes.count == 0) return analytic_point(lamp, facing->count);
-    w->report.direct_cut += occluders > 0;
-    analytic_visible(lamp, facing->count, rank_of(facing->face, facing->plane, point), w->occluder, occluders,
-                     analytic_sight_add, &sight);
-    if (panes.count == 0 || !(sight.area > 0)) return sight.share;
-    // Panes of glass weaken all that is in sight as they do on the line to its middle.
-    Vec3 middle = vec3_add(point, vec3_scale(sight.moment, 1 / sight.area));
-    return sight.share * panes_transmit(&panes, from_frame(w->frame, point), from_frame(w->frame, middle));
-}
-
-// Is a face known that hides all of a lamp object from the point? The last face that hid a whole face of it is asked.
-static bool hides_object(Worker *w, const Before *before, Vec3 point) {
-    const Facing *first = &w->facing[before->first_facing];
-    if (first->blocker_count == 0) return false;
-    Blocker b = w->blocker[first->first_blocker];
-    return hides_lamp(w, &b, move_lamp(w, before->box, 8, point), 8, point) == HIDES_ALL;
-}
-
-// Where the light of a point is found that may lie on an element's edge, in the frame.
-static Vec3 off_the_edge(Vec3 point, Vec3 towards) {
-    Vec3 way = vec3_sub(towards, point);
-    double length = vec3_length(way), hair = fmin(HAIR * length, LONGEST_HAIR);
-    if (length > 0) point = vec3_add(point, vec3_scale(way, hair / length));
-    return vec3(point.x, point.y, 0);
-}
-
-static bool in_one_plane(const Direct *d, int node) {
-    for (int i = d->nodes->first[node]; i < d->nodes->first[node + 1]; i++) {
-        Vec3 n = d->mesh->faces[d->mesh->elements[d->nodes->element[i]].face].plane.n;
-        if (vec3_dot(n, d->nodes->normal[node]) <= 1 - SAME_PLANE) return false;
-    }
-    return true;
-}
-
-// The place towards which the point of a corner is moved. False: another corner of the node has its light, which lies in one plane.
-static bool corner_counts(const Direct *d, int element, int corner, Vec3 *towards) {
-    const Nodes *nodes = d->nodes;
-    int node = nodes->of_corner[corner], first = nodes->first[node], count = nodes->first[node + 1] - first;
-    *towards = element_centroid(d->mesh, element);
-    if (count == 1 || !in_one_plane(d, node)) return true;
-    if (nodes->element[first] != element) return false;
-    Vec3 middle = {0, 0, 0};
-    for (int i = first; i < first + count; i++)
-        middle = vec3_add(middle, vec3_scale(element_centroid(d->mesh, nodes->element[i]), 1.0 / count));
-    *towards = middle;
-    return true;
-}
-
-// Light from the lamps before `first` .. `end`. Of the faces of a lamp object `most` stand for all.
-static void light_point(Worker *w, int first, int end, Vec3 point, int most, double out[3]) {
-    w->report.direct_points++;
-    for (int k = first; k < end; k++) {
-        Before before = w->before[k];
-        int step = (before.facing_count + most - 1) / most, last = before.first_facing + before.facing_count;
-        double weight = before.facing_count / ceil((double)before.facing_count / step);
-        w->sampled = w->sampled || step > 1;
-        if (hides_object(w, &before, point)) continue;
-        for (int i = before.first_facing; i < last; i += step) {
-            const Facing *facing = &w->facing[i];
-            if (plane_distance(facing->plane, point) <= 0) continue;
-            double share = weight * fmax(share_in_sight(w, &before, facing, point), 0);
-            for (int c = 0; c < 3; c++) out[c] += share * facing->emitted[c];
-        }
-    }
-}
-
-// So many faces of a lamp stand for all where bends are looked for.
-enum { FACES_FOR_BENDS = 2 };
-
-// An element whose bends are looked for.
-typedef struct Bent {
-    const Direct *d;
-    Worker *worker;
-    const Frame *frame;
-    int first;    // of the lamps before the patch, in Worker.before
-    Vec3 middle;  // in the frame
-} Bent;
-
-// Irradiance straight from lamps and sun at a point of the element.
-static void light_of_bent(void *context, Vec3 point, double out[3]) {
-    const Bent *b = context;
-    Vec3 at = off_the_edge(to_frame(b->frame, point), b->middle);
-    light_point(b->worker, b->first, b->worker->before_count, at, FACES_FOR_BENDS, out);
-    if (b->worker->sun) sun_patch_add(b->worker->sun, from_frame(b->frame, at), out);
-}
-
-static bool edge_of_bent(void *context, const Vec3 *corner, int count) {
-    const Bent *b = context;
-    return sun_patch_edge(b->worker->sun, corner, count);
-}
-
-static bool edge_in_element(const Direct *d, Worker *w, int e) {
-    const Element *element = &d->mesh->elements[e];
-    w->moved =
-        arena_room(&w->arena, w->moved, sizeof *w->moved, 0, element->corner_count, &w->moved_capacity);
-    for (int i = 0; i < element->corner_count; i++)
-        w->moved[i] = d->mesh->vertices[d->mesh->corners[element->first_corner + i]];
-    return sun_patch_edge(w->sun, w->moved, element->corner_count);
-}
-
-// Light at a corner of an element, as all lamps and the sun give it.
-static void light_corner(const Direct *d, Worker *w, const Frame *frame, int c, Vec3 towards, int first,
-                         int sun, double out[3]) {
-    Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[c]]);
-    node = off_the_edge(node, to_frame(frame, towards));
-    light_point(w, first, w->before_count, node, INT_MAX / 2, out);
-    if (sun != SUN_DARK) sun_patch_add(w->sun, from_frame(frame, node), out);
-}
-
-// Light at the corners of an element, in Worker.light: another element may have it by now, if it belongs to the same group, so that it does
-// not depend on threads.
-static void collect_corners(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first,
-                            int sun) {
-    const Element *element = &d->mesh->elements[e];
-    w->light =
-        arena_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
-    for (int i = 0; i < element->corner_count; i++) {
-        Vec3 towards;
-        int c = element->first_corner + i;
-        const NodeLight *known = &w->of_node[d->nodes->of_corner[c]];
-        memset(w->light[i], 0, sizeof *w->light);
-        if (corner_counts(d, e, c, &towards))
-            memcpy(w->light[i], d->at_corner[c], sizeof *w->light);
-        else if (known->group == group + 1)
-            memcpy(w->light[i], d->at_corner[known->corner], sizeof *w->light);
-        else
-            light_corner(d, w, frame, c, towards, first, sun, w->light[i]);
-    }
-}
-
-static const BendPoint *find_point(const BendPoint *points, int count, Vec3 at) {
-    for (int i = 0; i < count; i++)
-        if (vec3_length(vec3_sub(points[i].point, at)) < SAME_PLACE) return &points[i];
-    return NULL;
-}
-
-// `sun`: what the patch has of it.
-static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first, int sun) {
-    const Element *element = &d->mesh->elements[e];
-    Vec3 middle = element_centroid(d->mesh, e);
-    Bent bent = {d, w, frame, first, to_frame(frame, middle)};
-    BendLight light = {.at = light_of_bent, .context = &bent, .rest = d->besides[e]};
-    rgb_doubles(mesh_material(d->mesh, element->face)->reflectance, light.reflectance);
-    if ((w->before_count == first && sun != SUN_PARTLY) || rgb_sum(light.reflectance) == 0) return;
-    collect_corners(d, w, frame, e, group, first, sun);
-    if (sun == SUN_PARTLY && edge_in_element(d, w, e)) light.edge = edge_of_bent;
-    w->sampled = false;
-    d->bends[e] = bend_find(w->finder, d->mesh, e, w->light, &light, &w->bends);
-    if (w->sampled) return;
-    Within *within = &d->within[e];
-    const BendPoint *points = bend_points(w->finder, &within->count),
-                    *at = find_point(points, within->count, middle);
-    within->middle_known = at != NULL;
-    if (at) memcpy(within->middle, at->irradiance, sizeof within->middle);
-    if (!d->bends[e]) {
-        within->count = 0;
-        return;
-    }
-    BendPoint *kept = ARENA_ARRAY(&w->bends, BendPoint, within->count);
-    memcpy(kept, points, (size_t)within->count * sizeof *kept);
-    within->points = kept;
-}
-
-static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first,
-                          int sun) {
-    const Element *element = &d->mesh->elements[e];
-    for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-        Vec3 towards;
-        if (!corner_counts(d, e, c, &towards)) continue;
-        if (!d->known || !d->known[c]) light_corner(d, w, frame, c, towards, first, sun, d->at_corner[c]);
-        w->of_node[d->nodes->of_corner[c]] = (NodeLight){group + 1, c};
-    }
-}
-
-// Patches first .. end - 1, which share what is before them.
-static void light_patches(const Direct *d, Worker *w, const Frame *frame, int group, int first_patch, int end,
-                          int lamps) {
-    const Mesh *mesh = d->mesh;
-    int first = w->before_count, blockers = w->blocker_count, facing = w->facing_count;
-    Vec3 rectangle[4], there[4];
-    bound_patches(d, frame, first_patch, end - first_patch, rectangle);
-    for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
-    for (int k = 0; k < lamps; k++)
-        narrow(d, w, there, rectangle, mesh->patches[first_patch].face, w->before[k]);
-    for (int p = first_patch; p < end; p++) {
-        const Patch *patch = &mesh->patches[p];
-        int sun = w->sun ? sun_patch_look(w->sun, p, LONGEST_HAIR) : SUN_DARK;
-        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-            light_corners(d, w, frame, e, group, first, sun);
-            if (d->besides) find_bend(d, w, frame, e, group, first, sun);
-        }
-    }
-    w->before_count = first;
-    w->blocker_count = blockers;
-    w->facing_count = facing;
-}
-
-static bool is_settled(const Direct *d, const Group *g) {
-    int p = g->first_patch;
-    while (d->settled && p < g->first_patch + g->patch_count && d->settled[p]) p++;
-    return d->settled && p == g->first_patch + g->patch_count;
-}
-
-static bool patch_is_settled(const Direct *d, int patch) { return d->settled && d->settled[patch]; }
-
-static void light_group(const Direct *d, Worker *w, const Group *g) {
-    if (is_settled(d, g)) return;
-    const Face *face = &d->mesh->faces[g->face];
-    Frame frame = {.origin = d->mesh->patches[g->first_patch].centre, .z = face->plane.n};
-    Vec3 rectangle[4];
-    // The centre may lie off the plane by rounding.
-    frame.origin = vec3_sub(frame.origin, vec3_scale(frame.z, plane_distance(face->plane, frame.origin)));
-    view_axes(frame.z, &frame.x, &frame.y);
-    w->corner_count = w->blocker_count = w->before_count = w->facing_count = w->pane_count = 0;
-    w->frame = &frame;
-    bound_patches(d, &frame, g->first_patch, g->patch_count, rectangle);
-    for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
-    int lamps = w->before_count, end = g->first_patch + g->patch_count, next;
-    for (int p = g->first_patch; (lamps > 0 || w->sun) && p < end; p = next) {
-        next = p + 1;
-        if (patch_is_settled(d, p)) continue;
-        while (next < end && next < p + TOGETHER && !patch_is_settled(d, next)) next++;
-        light_patches(d, w, &frame, (int)(g - d->groups), p, next, lamps);
-    }
-}
-
-static Box box_of_groups(const Direct *d, const Batch *batch) {
-    const Mesh *mesh = d->mesh;
-    Box box = box_empty();
-    for (int g = batch->first_group; g < batch->first_group + batch->group_count; g++) {
-        const Group *group = &d->groups[g];
-        const Patch *first = &mesh->patches[group->first_patch],
-                    *last = &mesh->patches[group->first_patch + group->patch_count - 1];
-        int end = last->first_element + last->element_count - 1;
-        end = mesh->elements[end].first_corner + mesh->elements[end].corner_count;
-        for (int c = mesh->elements[first->first_element].first_corner; c < end; c++)
-            box = box_add(box, mesh->vertices[mesh->corners[c]]);
-    }
-    return box_grow(box, LONGEST_HAIR);
-}
-
-// Puts the lamps of an object before the batch, unless one face hides all of them.
-static void take_object(const Direct *d, Worker *w, Box box, int own, int object) {
-    const LampObject *lamps = &d->lamp_objects[object];
-    int first = w->between_count;
-    Vec3 one[8], other[8];
-    box_corners(box, one);
-    box_corners(lamps->box, other);
-    Ends ends = {one, other, 8, 8, -1};
-    if (closed_as_lately(d, w, &ends)) return;
-    Shaft shaft = shaft_of_boxes(box, lamps->box);
-    if (!lamp_flood_reaches(w->flood, &shaft, own, lamps->object)) return;
-    box_tree_find(&d->tree, box_union(box, lamps->box), &w->arena, &w->hits);
-    w->between = arena_room(&w->arena, w->between, sizeof *w->between, first, first + w->hits.count,
-                            &w->between_capacity);
-    for (int i = 0; i < w->hits.count; i++) {
-        const Face *face = &d->mesh->faces[w->hits.items[i]];
-        if (!shaft_is_met(&shaft, d->place + face->first_vertex, face->vertex_count)) continue;
-        if (closed_by(d, w, &ends, w->hits.items[i])) {
-            w->between_count = first;
-            return;
-        }
-        w->between[w->between_count++] = w->hits.items[i];
-    }
-    w->near =
-        arena_room(&w->arena, w->near, sizeof *w->near, w->near_count, w->near_count + 1, &w->near_capacity);
-    w->near[w->near_count++] = (Near){object, first, w->between_count - first};
-}
-
-static void light_batch(void *context, int index, int thread) {
-    const Direct *d = context;
-    const Batch *batch = &d->batches[d->first + index];
-    Worker *w = &d->workers[thread];
-    int own = d->mesh->faces[d->groups[batch->first_group].face].object, settled = 0;
-    for (int g = batch->first_group; g < batch->first_group + batch->group_count; g++)
-        settled += is_settled(d, &d->groups[g]);
-    if (settled == batch->group_count) return;
-    Box box = box_of_groups(d, batch);
-    w->near_count = w->between_count = 0;
-    for (int i = -1; d->lamps && (i = lamp_ways_next(d->ways, own, i)) >= 0;) take_object(d, w, box, own, i);
-    bool lit = w->near_count > 0 || w->sun;
-    for (int g = batch->first_group; lit && g < batch->first_group + batch->group_count; g++)
-        light_group(d, w, &d->groups[g]);
-}
-
-// ---- all nodes
-
-static void make_groups(Direct *d, Arena *arena) {
-    const Mesh *mesh = d->mesh;
-    d->groups = ARENA_ARRAY(arena, Group, mesh->patch_count + 1);
-    d->batches = ARENA_ARRAY(arena, Batch, mesh->patch_count + 1);
-    for (int f = 0; f < mesh->face_count; f++) {
-        const Face *face = &mesh->faces[f];
-        for (int p = 0; p < face->patch_count; p += GROUP) {
-            int left = face->patch_count - p;
-            Batch *last = d->batch_count > 0 ? &d->batches[d->batch_count - 1] : NULL;
-            bool joins = last && last->group_count < BATCH &&
-                         mesh->faces[d->groups[last->first_group].face].object == face->object;
-            if (!joins) d->batches[d->batch_count++] = (Batch){d->group_count, 0};
-            d->batches[d->batch_count - 1].group_count++;
-            d->groups[d->group_count++] = (Group){f, face->first_patch + p, left < GROUP ? left : GROUP};
-        }
-    }
-}
-
-// Faces of an object follow each other.
-static void add_lamp(Direct *d, int face, Box box) {
-    int object = d->mesh->faces[face].object;
-    if (d->lamp_object_count == 0 || d->lamp_objects[d->lamp_object_count - 1].object != object)
-        d->lamp_objects[d->lamp_object_count++] = (LampObject){object, d->lamp_count, 0, box_empty()};
-    LampObject *last = &d->lamp_objects[d->lamp_object_count - 1];
-    last->box = box_union(last->box, box);
-    last->count++;
-    d->lamp[d->lamp_count++] = face;
-}
-
-static void sort_faces(Direct *d, Arena *arena) {
-    const Mesh *mesh = d->mesh;
-    Box *boxes = ARENA_ARRAY(arena, Box, mesh->face_count + 1);
-    d->size = ARENA_ARRAY(arena, double, mesh->face_count + 1);
-    d->lamp = ARENA_ARRAY(arena, int, mesh->face_count + 1);
-    d->lamp_objects = ARENA_ARRAY(arena, LampObject, mesh->face_count + 1);
-    d->place = ARENA_ARRAY(arena, Vec3, mesh->outline_count + 1);
-    for (int f = 0; f < mesh->face_count; f++) {
-        const Face *face = &mesh->faces[f];
-        boxes[f] = box_empty();
-        for (int i = 0; i < face->vertex_count; i++)
-            boxes[f] = box_add(boxes[f], d->place[face->first_vertex + i] =
-                                             mesh->vertices[mesh->outline[face->first_vertex + i]]);
-        for (int e = face->first_element; e < face->first_element + face->element_count; e++)
-            d->size[f] += mesh->elements[e].area;
-        if (mesh_emits(mesh, f)) add_lamp(d, f, boxes[f]);
-    }
-    d->tree = box_tree_build(boxes, mesh->face_count, arena);
-}
-
-// Patches times the faces of lamps that they may see. Faces of an object follow each other.
-static double count_pairs(const Direct *d) {
-    double pairs = 0;
-    for (int f = 0, object = -1, faces = 0; f < d->mesh->face_count; f++) {
-        const Face *face = &d->mesh->faces[f];
-        if (face->object != object) {
-            object = face->object;
-            faces = 0;
-            for (int i = -1; (i = lamp_ways_next(d->ways, object, i)) >= 0;)
-                faces += d->lamp_objects[i].count;
-        }
-        pairs += (double)faces * face->patch_count;
-    }
-    return pairs;
-}
-
-static void start_direct(Direct *d, const Mesh *mesh, const StabForest *forest, const Nodes *nodes,
-                         const Daylight *day, Arena *arena) {
-    *d = (Direct){.mesh = mesh, .nodes = nodes, .lamps = true};
-    d->sun = sun_nodes_new(mesh, day, arena);
-    sort_faces(d, arena);
-    int *object = ARENA_ARRAY(arena, int, d->lamp_object_count + 1);
-    for (int i = 0; i < d->lamp_object_count; i++) object[i] = d->lamp_objects[i].object;
-    d->ways = lamp_ways_new(mesh->graph, forest, object, d->lamp_object_count, arena);
-    make_groups(d, arena);
-}
-
-// A node whose elements lie in one plane has the light of its first corner, every other one the mean of all its corners.
-static void join_corners(const Direct *d, double (*out)[3]) {
-    const Mesh *mesh = d->mesh;
-    memset(out, 0, (size_t)d->nodes->count * sizeof *out);
-    for (int e = 0; e < mesh->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-            int node = d->nodes->of_corner[c];
-            bool plane = in_one_plane(d, node);
-            int count = plane ? 1 : d->nodes->first[node + 1] - d->nodes->first[node];
-            for (int k = 0; k < 3; k++) out[node][k] += d->at_corner[c][k] / count;
-        }
-    }
-}
-
-// Takes memory that end_workers frees. With Direct.besides bends are found, too.
-static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3], RadReport *report) {
-    d->threads = parallel_threads(threads);
-    d->workers = ARENA_ARRAY(&d->arena, Worker, d->threads);
-    for (int t = 0; t < d->threads; t++) {
-        d->workers[t].flood = lamp_flood_new(d->ways, &d->arena);
-        if (d->sun) d->workers[t].sun = sun_patch_new(d->sun, &d->workers[t].arena);
-        d->workers[t].of_node = ARENA_ARRAY(&d->arena, NodeLight, d->nodes->count + 1);
-        if (d->besides) d->workers[t].finder = bend_finder_new(&d->arena);
-    }
-    if (!d->at_corner)
-        d->at_corner = arena_alloc(&d->arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
-    bool go_on = true;
-    for (d->first = 0; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {
-        int left = d->batch_count - d->first;
-        go_on = progress_report(progress, "direct light", (double)d->first / d->batch_count);
-        if (go_on) parallel_for(d->threads, left < BATCHES_A_LOOK ? left : BATCHES_A_LOOK, light_batch, d);
-    }
-    for (int t = 0; t < d->threads; t++) {
-        report->direct_points += d->workers[t].report.direct_points;
-        report->direct_pairs += d->workers[t].report.direct_pairs;
-        report->direct_cut += d->workers[t].report.direct_cut;
-    }
-    if (go_on) join_corners(d, out);
-    return go_on;
-}
-
-static void end_workers(Direct *d) {
-    for (int t = 0; t < d->threads; t++) {
-        arena_free(&d->workers[t].arena);
-        arena_free(&d->workers[t].bends);
-    }
-    arena_free(&d->arena);
-    d->at_corner = NULL;
-    d->threads = 0;
-}
 
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, const Daylight *day,
                        int threads, const Progress *progress, double (*out)[3], RadReport *report) {
     Arena arena = {0};
     Direct d;
     RadReport work = {0};
-    start_direct(&d, mesh, forest, nodes, day, &arena);
-    bool good = light_all(&d, threads, progress, out, report ? report : &work);
-    end_workers(&d);
+    direct_start(&d, mesh, forest, nodes, day, &arena);
+    bool good = direct_light(&d, threads, progress, out, report ? report : &work);
+    direct_end(&d);
     arena_free(&arena);
     return good;
 }
@@ -971,12 +70,13 @@ static double *light_besides(const Mesh *mesh, const RadSolution *rest, const Ra
     return out;
 }
 
-// Takes over the light of points that is known within elements of the coarser mesh.
-static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3]) {
+// Takes over the light of points that is known within elements of the coarser mesh. `by`: what sources give at its nodes, or NULL.
+static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3], const PointSources **by) {
     const Mesh *mesh = d->mesh, *rough = coarser->mesh;
     d->known = ARENA_ARRAY(&d->arena, bool, mesh->corner_count + 1);
     d->settled = ARENA_ARRAY(&d->arena, bool, mesh->patch_count + 1);
     d->at_corner = arena_alloc(&d->arena, (size_t)mesh->corner_count + 1, sizeof *d->at_corner);
+    if (by) d->corner_by = arena_alloc(&d->arena, (size_t)mesh->corner_count + 1, sizeof *d->corner_by);
     for (int p = 0; p < mesh->patch_count; p++) d->settled[p] = true;
     for (int e = 0; e < mesh->element_count; e++) {
         int in = shown_around(rough, mesh, e);
@@ -984,17 +84,21 @@ static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3]) {
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
             Vec3 at = mesh->vertices[mesh->corners[c]], towards;
             // One corner of a node in a plane counts.
-            if (!corner_counts(d, e, c, &towards)) continue;
+            if (!direct_corner_counts(d, e, c, &towards)) continue;
             for (int i = around->first_corner; i < around->first_corner + around->corner_count; i++) {
-                if (vec3_length(vec3_sub(at, rough->vertices[rough->corners[i]])) > SAME_PLACE) continue;
+                if (vec3_length(vec3_sub(at, rough->vertices[rough->corners[i]])) > DIRECT_SAME_PLACE)
+                    continue;
                 memcpy(d->at_corner[c], at_node[coarser->nodes->of_corner[i]], sizeof *at_node);
+                if (by) d->corner_by[c] = by[coarser->nodes->of_corner[i]];
                 d->known[c] = true;
                 break;
             }
             const BendPoint *point =
-                d->known[c] ? NULL : find_point(coarser->within[in].points, coarser->within[in].count, at);
+                d->known[c] ? NULL
+                            : direct_find_point(coarser->within[in].points, coarser->within[in].count, at);
             if (point) {
                 memcpy(d->at_corner[c], point->irradiance, sizeof point->irradiance);
+                if (by) d->corner_by[c] = coarser->within[in].by[point - coarser->within[in].points];
                 d->known[c] = true;
             }
             if (!d->known[c]) d->settled[element->patch] = false;
@@ -1021,98 +125,172 @@ static void linear_mean(const Mesh *mesh, const Nodes *nodes, double (*at_node)[
     for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
 }
 
-// Lifts nodes so that light between them is right in the mean. `d` knows the light within the elements of its mesh, in which those
-// of `shown` lie.
-static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, double (*at_node)[3]) {
-    Arena scratch = {0};
-    double(*lift)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *lift);
-    int *count = ARENA_ARRAY(&scratch, int, nodes->count + 1);
-    for (int e = 0; e < shown->element_count; e++) {
-        const Element *element = &shown->elements[e];
-        int in = shown == d->mesh ? e : shown_around(d->mesh, shown, e);
-        const Within *within = &d->within[in];
-        const double *middle = within->middle;
-        double linear[3], rho[3], off[3] = {0, 0, 0}, light = d->besides[in], gap = 0;
-        if (within->points) {
-            const BendPoint *at = find_point(within->points, within->count, element_centroid(shown, e));
-            middle = at ? at->irradiance : NULL;
-        }
-        if (middle && within->middle_known) {
-            linear_mean(shown, nodes, at_node, e, linear);
-            rgb_doubles(mesh_material(shown, element->face)->reflectance, rho);
-            for (int c = 0; c < 3; c++) {
-                off[c] = middle[c] - linear[c];
-                light += rho[c] * middle[c];
-                gap += rho[c] * off[c];
-            }
-            if (fabs(gap) > MOST_LIFT * light) off[0] = off[1] = off[2] = 0;
-        }
-        for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
-            int node = nodes->of_corner[i];
-            count[node]++;
-            for (int c = 0; c < 3; c++) lift[node][c] += LIFT * off[c];
-        }
-    }
-    for (int n = 0; n < nodes->count; n++)
-        for (int c = 0; c < 3; c++)
-            at_node[n][c] = fmax(at_node[n][c] + (count[n] > 0 ? lift[n][c] / count[n] : 0), 0);
-    arena_free(&scratch);
-}
-
 // Light that is shown: the solution on `mesh`, its light but that straight from lamps and sun, and reflected light where that is gathered
 // (rest.gathered); the mesh that shows it, and how often that halves elements for reflected light.
 typedef struct Showing {
+    const Mesh *mesh;
     const StabForest *forest;
     const float *door_open;
     const RadSolution *solution, *rest;
     const Mesh *shown;
     const MeshDepth *halved;
+    bool lamps;  // their light is known at the nodes
     int threads;
     const Progress *progress;
+    DirectSources *sources;  // or NULL
 } Showing;
 
-// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh; d's workers end.
-static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
-                        RadReport *report) {
-    Arena scratch = {0};
-    Direct finer;
-    const Mesh *mesh = d->mesh, *shown = s->shown;
-    Nodes finer_nodes;
-    const Nodes *nodes = d->nodes;
-    bool good = true;
-    if (shown != mesh) {
-        Arena own = {0};
-        finer_nodes = nodes_of(shown, &scratch);
-        double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
-        start_direct(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &own);
-        finer.lamps = d->lamps;
-        take_known(&finer, d, at_node);
-        good = light_all(&finer, s->threads, s->progress, irradiance, report);
-        end_workers(&finer);
-        arena_free(&own);
-        at_node = irradiance;
-        nodes = &finer_nodes;
+// The light that each source gives straight to what is shown, as one pass over the lamps of all has found it; and all that the light of
+// one source needs to be shown likewise.
+struct DirectSources {
+    Arena arena;
+    Arena *kept;  // [threads] of PointSources
+    const int *source_of;
+    int day, threads;
+    Showing show;       // of all light
+    const Mesh *shown;  // the mesh that shows it
+    Nodes nodes;        // of that
+    PartRows parts;
+    const PointSources **node;    // [nodes.count]
+    const PointSources **middle;  // [elements that show the light]
+    bool *lifts;                  // [elements that show the light] its nodes are lifted
+};
+
+DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena) {
+    DirectSources *out = ARENA_ARRAY(arena, DirectSources, 1);
+    out->threads = parallel_threads(threads);
+    out->source_of = source_of;
+    out->day = day;
+    out->kept = ARENA_ARRAY(arena, Arena, out->threads);
+    out->parts.thread_count = out->threads;
+    return out;
+}
+
+void direct_sources_end(DirectSources *sources) {
+    for (int t = 0; t < sources->threads; t++) arena_free(&sources->kept[t]);
+    part_rows_end(&sources->parts);
+    arena_free(&sources->arena);
+}
+
+static void tell_sources_apart(Direct *d, const DirectSources *sources) {
+    if (!sources) return;
+    d->source_of = sources->source_of;
+    d->day = sources->day;
+    d->kept = sources->kept;
+}
+
+// Raises the nodes of elements by their lifts; each node has the mean of its elements.
+typedef struct Lift {
+    double (*sum)[3];  // [nodes->count]
+    int *count;
+} Lift;
+
+static Lift lift_new(const Nodes *nodes, Arena *arena) {
+    return (Lift){arena_alloc(arena, (size_t)nodes->count + 1, sizeof *(Lift){0}.sum),
+                  ARENA_ARRAY(arena, int, nodes->count + 1)};
+}
+
+static void lift_element(Lift *lift, const Mesh *shown, const Nodes *nodes, int e, const double off[3]) {
+    const Element *element = &shown->elements[e];
+    for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
+        int node = nodes->of_corner[i];
+        lift->count[node]++;
+        for (int c = 0; c < 3; c++) lift->sum[node][c] += LIFT * off[c];
     }
-    if (good) lift_nodes(d, shown, nodes, at_node);
-    end_workers(d);
+}
+
+static void lift_all(const Lift *lift, const Nodes *nodes, double (*at_node)[3]) {
+    for (int n = 0; n < nodes->count; n++)
+        for (int c = 0; c < 3; c++)
+            at_node[n][c] =
+                fmax(at_node[n][c] + (lift->count[n] > 0 ? lift->sum[n][c] / lift->count[n] : 0), 0);
+}
+
+// Lifts nodes so that light between them is right in the mean. `d` knows the light within the elements of its mesh, in which those
+// of `shown` lie. Tells `sources`, or NULL, where it does.
+static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, double (*at_node)[3],
+                       DirectSources *sources) {
+    Arena scratch = {0};
+    Lift lift = lift_new(nodes, &scratch);
+    for (int e = 0; e < shown->element_count; e++) {
+        int in = shown == d->mesh ? e : shown_around(d->mesh, shown, e);
+        const Within *within = &d->within[in];
+        const double *middle = within->middle;
+        const PointSources *by = within->middle_by;
+        double linear[3], rho[3], off[3] = {0, 0, 0}, light = d->besides[in], gap = 0;
+        if (within->points) {
+            const BendPoint *at =
+                direct_find_point(within->points, within->count, element_centroid(shown, e));
+            middle = at ? at->irradiance : NULL;
+            by = at && within->by ? within->by[at - within->points] : NULL;
+        }
+        if (middle && within->middle_known) {
+            linear_mean(shown, nodes, at_node, e, linear);
+            rgb_doubles(mesh_material(shown, shown->elements[e].face)->reflectance, rho);
+            for (int c = 0; c < 3; c++) {
+                off[c] = middle[c] - linear[c];
+                light += rho[c] * middle[c];
+                gap += rho[c] * off[c];
+            }
+            bool lifts = fabs(gap) <= MOST_LIFT * light;
+            if (!lifts) off[0] = off[1] = off[2] = 0;
+            if (sources) sources->lifts[e] = lifts;
+            if (sources) sources->middle[e] = by;
+        }
+        lift_element(&lift, shown, nodes, e, off);
+    }
+    lift_all(&lift, nodes, at_node);
+    arena_free(&scratch);
+}
+
+static void put_source(const PointSources *by, int source, double out[3]) {
+    out[0] = out[1] = out[2] = 0;
+    for (int i = 0; by && i < by->count; i++)
+        for (int c = 0; c < 3 && by->by[i].source == source; c++) out[c] = (double)by->by[i].light[c];
+}
+
+// The irradiance of one source at the nodes.
+static void source_at_nodes(const DirectSources *s, const Mesh *shown, int source, double (*out)[3]) {
+    Arena scratch = {0};
+    Lift lift = lift_new(&s->nodes, &scratch);
+    for (int n = 0; n < s->nodes.count; n++) put_source(s->node[n], source, out[n]);
+    for (int e = 0; e < shown->element_count; e++) {
+        double middle[3], linear[3], off[3] = {0, 0, 0};
+        if (s->lifts[e]) {
+            put_source(s->middle[e], source, middle);
+            linear_mean(shown, &s->nodes, out, e, linear);
+            for (int c = 0; c < 3; c++) off[c] = middle[c] - linear[c];
+        }
+        lift_element(&lift, shown, &s->nodes, e, off);
+    }
+    lift_all(&lift, &s->nodes, out);
+    arena_free(&scratch);
+}
+
+// Adds up all light at the nodes of the mesh that shows it, to the light straight from lamps and sun there.
+static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[3], Arena *arena,
+                        RadSolution *out) {
+    Arena scratch = {0};
+    const Mesh *mesh = s->mesh, *shown = s->shown;
     double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
-    if (good && s->rest->gathered) {
+    bool good = true;
+    if (s->rest->gathered) {
         GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
-        good = reflected_nodes(&scene, s->halved, shown, nodes, s->threads, s->progress, reflected);
+        good = reflected_nodes(&scene, s->halved, shown, nodes, s->threads,
+                               s->sources ? &s->sources->parts : NULL, s->progress, reflected);
     }
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
         // All other light is emitted, and even.
-        bool dark = s->rest->gathered && d->lamps;
+        bool dark = s->rest->gathered && s->lamps;
         out->rest = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->rest);
         if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->rest);
         for (int n = 0; n < nodes->count; n++) {
             double rho[3];
-            int element = nodes->element[nodes->first[n]];
-            rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
-            if (dark)
-                rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->rest[n]);
+            const Material *m = mesh_material(mesh, shown->elements[nodes->element[nodes->first[n]]].face);
+            rgb_doubles(m->reflectance, rho);
+            if (dark) rgb_doubles(m->emission, out->rest[n]);
             for (int c = 0; c < 3; c++) {
                 out->rest[n][c] += rho[c] * reflected[n][c];
                 out->node[n][c] = out->rest[n][c] + rho[c] * at_node[n][c];
@@ -1123,17 +301,69 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
     return good;
 }
 
+// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh; d's workers end.
+static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
+                        RadReport *report) {
+    Arena scratch = {0};
+    DirectSources *sources = s->sources;
+    const Mesh *mesh = d->mesh, *shown = s->shown;
+    Nodes finer_nodes;
+    const Nodes *nodes = d->nodes;
+    const PointSources **by = NULL;
+    bool good = true;
+    if (sources) {
+        by = arena_alloc(&sources->arena, (size_t)nodes->count + 1, sizeof *by);
+        direct_node_sources(d, by);
+    }
+    if (shown != mesh) {
+        Arena own = {0};
+        Direct finer;
+        finer_nodes = nodes_of(shown, &scratch);
+        double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
+        direct_start(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &own);
+        finer.lamps = d->lamps;
+        tell_sources_apart(&finer, sources);
+        take_known(&finer, d, at_node, by);
+        good = direct_light(&finer, s->threads, s->progress, irradiance, report);
+        if (good && sources) {
+            by = arena_alloc(&sources->arena, (size_t)finer_nodes.count + 1, sizeof *by);
+            direct_node_sources(&finer, by);
+        }
+        direct_end(&finer);
+        arena_free(&own);
+        at_node = irradiance;
+        nodes = &finer_nodes;
+    }
+    if (sources) {
+        sources->node = by;
+        sources->lifts = ARENA_ARRAY(&sources->arena, bool, shown->element_count + 1);
+        sources->middle = arena_alloc(&sources->arena, (size_t)shown->element_count + 1, sizeof *by);
+    }
+    if (good) lift_nodes(d, shown, nodes, at_node, sources);
+    direct_end(d);
+    good = good && store_nodes(s, nodes, at_node, arena, out);
+    arena_free(&scratch);
+    return good;
+}
+
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report) {
-    Arena scratch = {0};
+    return direct_show_apart(mesh, forest, door_open, threads, progress, arena, solution, NULL, report);
+}
+
+bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
+                       const Progress *progress, Arena *arena, RadSolution *solution, DirectSources *sources,
+                       RadReport *report) {
+    Arena scratch = {0}, *lasting = sources ? &sources->arena : &scratch;
     Direct d;
     Error error;
     RadReport work = {0};
     Nodes nodes = nodes_of(mesh, &scratch);
     bool good = true;
     if (!report) report = &work;
-    start_direct(&d, mesh, forest, &nodes, &solution->day, &scratch);
-    d.lamps = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
+    direct_start(&d, mesh, forest, &nodes, &solution->day, &scratch);
+    tell_sources_apart(&d, sources);
+    d.lamps = d.lamp_count > 0 && direct_pairs(&d) <= DIRECT_MOST_PAIRS;
     if (d.lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
         if (d.sun) {
@@ -1143,31 +373,58 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         RadSolution rest = other_light(mesh, solution, d.lamps, sun, false, &scratch), out = *solution;
         double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
         MeshSplits *splits = NULL;
-        Mesh finer;
-        Showing show = {.forest = forest,
+        Mesh *finer = ARENA_ARRAY(lasting, Mesh, 1);
+        Showing show = {.mesh = mesh,
+                        .forest = forest,
                         .door_open = door_open,
                         .solution = solution,
                         .rest = &rest,
+                        .lamps = d.lamps,
                         .threads = threads,
-                        .progress = progress};
+                        .progress = progress,
+                        .sources = sources};
         d.besides = light_besides(mesh, &rest, solution, &scratch);
         d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
         d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
-        good = light_all(&d, threads, progress, at_node, report);
+        good = direct_light(&d, threads, progress, at_node, report);
         if (good) {
             double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (solution->gathered && mesh->options.splits)
-                show.halved = reflected_depths(mesh, &nodes, solution, &scratch);
+                show.halved = reflected_depths(mesh, &nodes, solution, lasting);
             splits = bend_splits(mesh, d.bends, show.halved, most, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
-        bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
+        bool is_finer = good && splits && shown_build(mesh, splits, door_open, lasting, finer, &error);
         out.shown = is_finer ? splits : NULL;
-        show.shown = is_finer ? &finer : mesh;
+        show.shown = is_finer ? finer : mesh;
         good = good && light_nodes(&d, &show, at_node, arena, &out, report);
         if (good) *solution = out;
-        end_workers(&d);  // if they have not ended
+        if (good && sources) {
+            sources->shown = show.shown;
+            sources->show = show;
+            sources->nodes = nodes_of(show.shown, lasting);
+        }
+        direct_end(&d);  // if they have not ended
     }
+    arena_free(&scratch);
+    return good;
+}
+
+bool direct_show_source(DirectSources *s, int source, const Mesh *lit, const Progress *progress, Arena *arena,
+                        RadSolution *solution) {
+    Arena scratch = {0};
+    RadSolution rest = other_light(lit, solution, s->show.lamps, solution->sun, true, &scratch),
+                out = *solution;
+    double(*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
+    Showing show = s->show;
+    show.mesh = lit;
+    if (s->shown == s->show.mesh) show.shown = lit;
+    show.solution = solution;
+    show.rest = &rest;
+    show.progress = progress;
+    source_at_nodes(s, s->shown, source, at_node);
+    bool good = store_nodes(&show, &s->nodes, at_node, arena, &out);
+    if (good) *solution = out;
     arena_free(&scratch);
     return good;
 }

@@ -7,12 +7,20 @@
 #include "radiosity/daylight/daylight.h"
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
+#include "radiosity/show/reflected.h"
 
 // The irradiance that the lamps of the mesh and the sun of the day (NULL: night) alone cause at each node, W/m^2 a channel, into `out`
 // [nodes->count]. The same on any number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work
 // is added to the fields direct_... of `report`, which may be NULL.
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, const Daylight *day,
                        int threads, const Progress *progress, double (*out)[3], RadReport *report);
+
+// The light that each source - a lamp, the day - gives to what is shown. Made before direct_show, which tells them apart: source_of
+// [face_count] is the source of each face that emits; source `day` is the sun. Lives in the arena, but for memory that direct_sources_end
+// frees.
+typedef struct DirectSources DirectSources;
+DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena);
+void direct_sources_end(DirectSources *sources);
 
 // Stores the light at each node of a finer mesh in solution->node, and the splits of that mesh in solution->shown, allocated in the
 // arena: exact light straight from lamps and the sun of solution->day, and all other light as the elements tell it. Elements are halved
@@ -21,6 +29,15 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 // stop: then the result is false.
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report);
+// The same, and what each source gives goes into `sources` (NULL: nowhere).
+bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
+                       const Progress *progress, Arena *arena, RadSolution *solution, DirectSources *sources,
+                       RadReport *report);
+
+// The same for one source alone, on the same nodes: `solution`, gathered, is its light, and `lit` the mesh with this source alone. The
+// first call comes for the day, if it shines. All sources together are the light of all.
+bool direct_show_source(DirectSources *sources, int source, const Mesh *lit, const Progress *progress,
+                        Arena *arena, RadSolution *solution);
 
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.
 #define DIRECT_MOST_PAIRS 20e6

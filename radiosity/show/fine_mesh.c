@@ -216,19 +216,48 @@ static double (*fine_rest(const FineMesh *fine, const RadSolution *solution, Are
     return fine_light(fine, &rest, arena).node;
 }
 
+static double (*fine_direct(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
+    Arena scratch = {0};
+    const Mesh *mesh = &fine->mesh;
+    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out);
+    Lighting l = lighting(fine, direct_at_nodes(fine, solution, &scratch), &scratch);
+    for (int e = 0; e < mesh->element_count; e++) {
+        if (fine->element[e] >= 0)
+            memcpy(out[e], solution->direct[fine->element[e]], sizeof *out);
+        else
+            reflected_by(&l, e, out[e]);
+    }
+    arena_free(&scratch);
+    return out;
+}
+
+static double (*fine_unshot(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
+    Arena scratch = {0};
+    const Mesh *mesh = &fine->mesh;
+    double(*out)[3] = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out);
+    Lighting l = lighting(fine, unshot_at_nodes(fine, solution, &scratch), &scratch);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        if (fine->patch[p] >= 0)
+            memcpy(out[p], solution->unshot[fine->patch[p]], sizeof *out);
+        else
+            reflected_by(&l, -1 - fine->patch[p], out[p]);
+    }
+    arena_free(&scratch);
+    return out;
+}
+
 RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena *arena) {
     if (fine->same) return *solution;
     const Mesh *mesh = &fine->mesh;
     Arena scratch = {0};
     RadSolution out = *solution;
+    out.daylight = out.sun = NULL;
     out.element_count = mesh->element_count;
     out.patch_count = mesh->patch_count;
     out.node = NULL;
     out.node_count = 0;
     out.rest = solution->node && solution->rest ? fine_rest(fine, solution, arena) : NULL;
     out.radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out.radiosity);
-    out.direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out.direct);
-    out.unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out.unshot);
     Lighting l = lighting(fine, node_light(fine, solution, &scratch), &scratch);
     for (int e = 0; e < mesh->element_count; e++) {
         if (fine->element[e] >= 0)
@@ -236,20 +265,8 @@ RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena 
         else
             reflected_by(&l, e, out.radiosity[e]);
     }
-    l = lighting(fine, direct_at_nodes(fine, solution, &scratch), &scratch);
-    for (int e = 0; e < mesh->element_count; e++) {
-        if (fine->element[e] >= 0)
-            memcpy(out.direct[e], solution->direct[fine->element[e]], sizeof *out.direct);
-        else
-            reflected_by(&l, e, out.direct[e]);
-    }
-    l = lighting(fine, unshot_at_nodes(fine, solution, &scratch), &scratch);
-    for (int p = 0; p < mesh->patch_count; p++) {
-        if (fine->patch[p] >= 0)
-            memcpy(out.unshot[p], solution->unshot[fine->patch[p]], sizeof *out.unshot);
-        else
-            reflected_by(&l, -1 - fine->patch[p], out.unshot[p]);
-    }
+    if (solution->direct) out.direct = fine_direct(fine, solution, arena);
+    if (solution->unshot) out.unshot = fine_unshot(fine, solution, arena);
     if (solution->node) fill_nodes(fine, solution, &out, arena);
     arena_free(&scratch);
     return out;

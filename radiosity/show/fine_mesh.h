@@ -21,7 +21,8 @@ typedef struct FineMesh {
 
 // Makes the fine model of `light`, which must outlive the result.
 FineMesh *fine_mesh_new(const Mesh *light, Arena *arena);
-// The solution of `light` carried over to `mesh`. The result shares memory with `solution` where nothing is replaced.
+// The solution of `light` carried over to `mesh`; its fields `direct`, `unshot` and `rest` may be NULL, and so are the result's. The
+// result shares memory with `solution` where nothing is replaced.
 RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena *arena);
 
 #endif

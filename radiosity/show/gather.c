@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "engine/core/error.h"
-#include "radiosity/factors/analytic.h"
+#include "radiosity/factors/lamp_spread.h"
 #include "radiosity/shoot/shoot.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/truth/path_walk.h"
@@ -348,6 +348,11 @@ static void fit_slope(const Gatherer *self, int element, Leaving *out) {
     limit_slope(self, element, out);
 }
 
+// Is a face's emitted light found apart from that of rows? Rows know nothing of candela tables.
+static bool is_exact(const Gatherer *self, int face) {
+    return self->options.exact_lamps || mesh_spread(self->scene.mesh, face);
+}
+
 static void find_leaving(Gatherer *self) {
     const Mesh *mesh = self->scene.mesh;
     for (int e = 0; e < mesh->element_count; e++) {
@@ -355,12 +360,12 @@ static void find_leaving(Gatherer *self) {
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
         if (self->scene.light) fit_slope(self, e, out);
+        bool exact = is_exact(self, mesh->elements[e].face);
         for (int c = 0; c < 3; c++)
-            out->mean[c] =
-                self->scene.solution->radiosity[e][c] - (self->options.exact_lamps ? emitted[c] : 0);
+            out->mean[c] = self->scene.solution->radiosity[e][c] - (exact ? emitted[c] : 0);
     }
-    for (int f = 0; f < mesh->face_count && self->options.exact_lamps && !self->options.reflected; f++)
-        self->any_lamp = self->any_lamp || mesh_emits(mesh, f);
+    for (int f = 0; f < mesh->face_count && !self->options.reflected; f++)
+        self->any_lamp = self->any_lamp || (mesh_emits(mesh, f) && is_exact(self, f));
 }
 
 Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena) {
@@ -423,13 +428,17 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
     int occluders = -1;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *f = &view->faces[i];
-        if (!mesh_emits(self->scene.mesh, f->face) || f->d > 0) continue;
+        if (!mesh_emits(self->scene.mesh, f->face) || f->d > 0 || !is_exact(self, f->face)) continue;
         if (occluders < 0) occluders = find_occluders(self, view);
         AnalyticSight sight = {0};
+        SpreadSight by_table =
+            spread_sight(mesh_spread(self->scene.mesh, f->face), LAMP_SPREAD_OFF, view->x, view->y, view->z);
         double emitted[3];
         rgb_doubles(mesh_material(self->scene.mesh, f->face)->emission, emitted);
         analytic_visible(view->vertices + f->first_vertex, f->vertex_count, form_factor_rank(f),
-                         self->occluder, occluders, analytic_sight_add, &sight);
+                         self->occluder, occluders, by_table.spread ? spread_sight_add : analytic_sight_add,
+                         by_table.spread ? (void *)&by_table : &sight);
+        if (by_table.spread) sight = by_table.sight;
         // Panes of glass weaken all that is in sight as they do on the line to its middle.
         if (self->panes.count > 0 && sight.area > 0)
             sight.share *= panes_transmit(
@@ -450,9 +459,8 @@ static bool put_near(Gatherer *self, int element, double share, bool means, Near
     if (!self->near || !near_gatherer_is_near(self->near, element)) return false;
     if (!means) return true;
     double emitted[3] = {0};
-    if (!self->options.exact_lamps)
-        rgb_doubles(mesh_material(self->scene.mesh, self->scene.mesh->elements[element].face)->emission,
-                    emitted);
+    int face = self->scene.mesh->elements[element].face;
+    if (!is_exact(self, face)) rgb_doubles(mesh_material(self->scene.mesh, face)->emission, emitted);
     near->share += share;
     for (int c = 0; c < 3; c++) {
         irradiance[c] += share * emitted[c];
@@ -558,6 +566,39 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     add_near(self, &near, irradiance);
     // Samples may sum slopes to less than nothing beside exact means and exact lamps.
     for (int c = 0; c < 3; c++) irradiance[c] = fmax(irradiance[c], 0);
+}
+
+GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
+    CORE_ASSERT(self->options.reflected && !self->near && !self->samples);
+    const View *view = form_factor_look(self->rows, self->viewer, from, self->options.culling);
+    Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
+    panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, &self->panes);
+    const Row *row = form_factor_row(self->rows, view);
+    int *element = ARENA_ARRAY(arena, int, row->count + 1);
+    float *share = ARENA_ARRAY(arena, float, row->count + 1);
+    for (int i = 0; i < row->count; i++) {
+        element[i] = row->element[i];
+        share[i] = row->factor[i];
+        if (self->panes.count > 0)
+            share[i] *= (float)panes_transmit(&self->panes, view->eye,
+                                              element_centroid(self->scene.mesh, row->element[i]));
+    }
+    return (GatherRow){row->count, element, share, row->sky_light, row->ground_light};
+}
+
+void gather_along(const Gatherer *self, const GatherRow *row, double irradiance[3]) {
+    const Daylight *day = &self->scene.solution->day;
+    double below[3];
+    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    for (int i = 0; i < row->count; i++) {
+        const double *mean = self->leaving[row->element[i]].mean;
+        for (int c = 0; c < 3; c++) irradiance[c] += (double)row->share[i] * mean[c];
+    }
+    daylight_below(day, below);
+    for (int c = 0; c < 3; c++) {
+        irradiance[c] += M_PI * (row->sky * day->zenith[c] + row->ground * below[c]);
+        irradiance[c] = fmax(irradiance[c], 0);
+    }
 }
 
 int gather_cell(const CellGraph *graph, Vec3 point, Vec3 normal, int hint) {

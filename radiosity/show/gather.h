@@ -46,6 +46,20 @@ void gatherer_end(Gatherer *self);
 // The irradiance at a point, W/m^2 a channel. Allocates nothing.
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]);
 
+// The light at a point as a sum over a solution's elements, for points whose light is looked for under one state of the lamps after the
+// other. Shares are those of `gather`, panes of glass included.
+typedef struct GatherRow {
+    int count;
+    const int *element;  // [count]
+    const float *share;  // [count]
+    double sky, ground;  // shares of the irradiances by a whole view of the sky overhead, and of the ground
+} GatherRow;
+// Only with the options `reflected`, without walks, by a projective method, and for a scene without slopes. Both arrays live in the
+// arena.
+GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena);
+// The irradiance along a row under the scene's solution, W/m^2 a channel; as of `gather`, to rounding.
+void gather_along(const Gatherer *self, const GatherRow *row, double irradiance[3]);
+
 // The cell in front of a point of a surface, -1 where there is no cell (then nothing is culled); `hint` as for vis_locate.
 int gather_cell(const CellGraph *graph, Vec3 point, Vec3 normal, int hint);
 

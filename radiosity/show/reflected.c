@@ -157,26 +157,55 @@ typedef struct Parts {
     const int *part, *in;  // elements of `shown`, and of the scene's mesh around them
     double (*value)[3];    // [shown->element_count]
     int first;             // of this look
+    PartRows *kept;        // or NULL
+    bool known;            // its rows are there
 } Parts;
 
 static void gather_part(void *context, int index, int thread) {
     const Parts *p = context;
     const Mesh *mesh = p->scene->mesh;
     int part = p->part[p->first + index];
+    GatherRow *row = p->kept ? &p->kept->row[p->first + index] : NULL;
+    if (p->known) {
+        gather_along(p->gatherer[thread], row, p->value[part]);
+        return;
+    }
     const Element *around = &mesh->elements[p->in[part]];
     const Face *face = &mesh->faces[around->face];
     bool surface = mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
     int hint = mesh->patches[around->patch].cell;
     Vec3 at = element_centroid(p->shown, part);
     int cell = surface ? hint : gather_cell(mesh->graph, at, face->plane.n, hint);
-    gather(p->gatherer[thread], &(ViewPoint){at, face->plane.n, cell}, p->value[part]);
+    ViewPoint from = {at, face->plane.n, cell};
+    if (row) {
+        *row = gather_row_new(p->gatherer[thread], &from, &p->kept->kept[thread]);
+        gather_along(p->gatherer[thread], row, p->value[part]);
+    } else {
+        gather(p->gatherer[thread], &from, p->value[part]);
+    }
+}
+
+void part_rows_end(PartRows *rows) {
+    for (int t = 0; rows->kept && t < rows->thread_count; t++) arena_free(&rows->kept[t]);
+    arena_free(&rows->arena);
+}
+
+// Rows for so many parts; were they made before?
+static bool part_rows_there(PartRows *rows, int count) {
+    if (rows->row) return true;
+    rows->count = count;
+    rows->row = ARENA_ARRAY(&rows->arena, GatherRow, count + 1);
+    rows->kept = ARENA_ARRAY(&rows->arena, Arena, rows->thread_count);
+    return false;
 }
 
 static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count,
-                         const int *in, int threads, const Progress *progress, double (*value)[3]) {
+                         const int *in, int threads, PartRows *kept, const Progress *progress,
+                         double (*value)[3]) {
     Arena scratch = {0};
-    threads = parallel_threads(threads);
-    Parts p = {scene, shown, ARENA_ARRAY(&scratch, Gatherer *, threads), part, in, value, 0};
+    threads = kept ? kept->thread_count : parallel_threads(threads);
+    Parts p = {scene, shown, ARENA_ARRAY(&scratch, Gatherer *, threads), part, in, value, .kept = kept};
+    p.known = kept && part_rows_there(kept, count);
     GatherOptions options = gather_default_options();
     options.resolution = RESOLUTION;
     options.reflected = true;
@@ -193,7 +222,7 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int 
 }
 
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
-                     int threads, const Progress *progress, double (*out)[3]) {
+                     int threads, PartRows *kept, const Progress *progress, double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
     Arena scratch = {0};
     double(*coarse)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *coarse);
@@ -239,7 +268,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
         else
             rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, weak.radiosity[e]);
     }
-    bool go_on = gather_parts(&weak_scene, shown, part, count, in, threads, progress, value);
+    bool go_on = gather_parts(&weak_scene, shown, part, count, in, threads, kept, progress, value);
     for (int i = 0; i < count; i++) {
         double more[3];
         reconstruct_in(mesh, &by_strong, in[part[i]], element_centroid(shown, part[i]), more);

@@ -9,10 +9,20 @@
 // as it changes: between neighbours that differ, and in front of close surfaces. The solution must be `gathered`.
 MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, Arena *arena);
 
+// Rows of the parts at which light is gathered, kept by a caller who gathers light of several solutions on one mesh. Start with all zeros,
+// but `thread_count`; reflected_nodes fills it when it is called first, with the rows of that solution's day.
+typedef struct PartRows {
+    GatherRow *row;  // [count]
+    int count, thread_count;
+    Arena arena;
+    Arena *kept;  // [thread_count]
+} PartRows;
+void part_rows_end(PartRows *rows);
+
 // The irradiance by reflected light at nodes of a mesh whose elements are those of the scene's mesh, halved as often as `halved` says or
 // oftener, W/m^2 a channel, into `out` [nodes->count]. `halved` NULL: no element was halved for reflected light. The same on any number of
-// threads (0: all cores). False where progress asked to stop.
+// threads (0: all cores). False where progress asked to stop. `kept` may be NULL.
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
-                     int threads, const Progress *progress, double (*out)[3]);
+                     int threads, PartRows *kept, const Progress *progress, double (*out)[3]);
 
 #endif

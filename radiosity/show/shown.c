@@ -87,31 +87,38 @@ static void light_elements(const Mesh *mesh, const RadSolution *solution, const 
     arena_free(&scratch);
 }
 
-bool shown_light(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
-                 const Mesh **shown, const RadSolution **light, Error *error) {
-    *shown = mesh;
-    *light = solution;
-    if (!solution->shown) return true;
+bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer, Arena *arena,
+                RadSolution *out) {
     Arena scratch = {0};
-    Mesh *finer = ARENA_ARRAY(arena, Mesh, 1);
-    RadSolution *out = ARENA_ARRAY(arena, RadSolution, 1);
-    if (!shown_build(mesh, solution->shown, door_open, arena, finer, error)) return false;
     Nodes nodes = nodes_of(finer, &scratch);
     bool good = nodes.count == solution->node_count;
     if (good) {
         *out = *solution;
         out->shown = NULL;
+        out->daylight = out->sun = NULL;
         out->element_count = finer->element_count;
         out->patch_count = finer->patch_count;
         out->radiosity = arena_alloc(arena, (size_t)finer->element_count + 1, sizeof *out->radiosity);
         out->direct = arena_alloc(arena, (size_t)finer->element_count + 1, sizeof *out->direct);
         out->unshot = arena_alloc(arena, (size_t)finer->patch_count + 1, sizeof *out->unshot);
         light_elements(mesh, solution, finer, &nodes, out);
-        *shown = finer;
-        *light = out;
-    } else {
-        error_set(error, "the light is shown on elements that are not those of this program's version");
     }
     arena_free(&scratch);
     return good;
+}
+
+bool shown_light(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
+                 const Mesh **shown, const RadSolution **light, Error *error) {
+    *shown = mesh;
+    *light = solution;
+    if (!solution->shown) return true;
+    Mesh *finer = ARENA_ARRAY(arena, Mesh, 1);
+    RadSolution *out = ARENA_ARRAY(arena, RadSolution, 1);
+    if (!shown_build(mesh, solution->shown, door_open, arena, finer, error)) return false;
+    if (!shown_fill(mesh, solution, finer, arena, out))
+        return error_set(error,
+                         "the light is shown on elements that are not those of this program's version");
+    *shown = finer;
+    *light = out;
+    return true;
 }

@@ -662,6 +662,12 @@ static double day_share(const Stop *stop, double u, double v) {
     return asked ? 1 / (1 + path_shares_density(stop->shares, u, v)) : 1;
 }
 
+// The ratio of a face's radiance along a direction that arrives to that of a face which sends light evenly.
+static double spread_of(const PathWorld *world, int face, Vec3 along) {
+    return spread_ratio(mesh_spread(world->mesh, face), world->mesh->faces[face].plane.n,
+                        vec3_scale(along, -1));
+}
+
 // The share of a lamp's light that arrives, asked for, and weighed.
 static void ask_lamp(const PathWorld *world, const Stop *stop, double light[3], PathStep *step) {
     PathLightPoint lamp;
@@ -676,6 +682,7 @@ static void ask_lamp(const PathWorld *world, const Stop *stop, double light[3], 
     if (hit.face != lamp.face) return;
     Rgb emission = mesh_material(world->mesh, lamp.face)->emission;
     double share = cosine / (asked + cosine) * glass_along(world->scene, place->point, along, &hit);
+    share *= spread_of(world, lamp.face, along);
     add_light(light, stop->weight, emission, share);
     if (!step) return;
     int index = lights->of_face[lamp.face];
@@ -781,7 +788,7 @@ static bool follow_path(const PathWorld *world, Stop *stop,
     if (world->lights->of_face[hit.face] >= 0 && cosine > 0) {
         double lamp = path_lights_density(world->lights, place, stop->shares, hit.face);
         double asked = as_directions(lamp, vec3_sub(hit.point, place->point), n);
-        add_light(light, weight, m->emission, cosine / (asked + cosine));
+        add_light(light, weight, m->emission, cosine / (asked + cosine) * spread_of(world, hit.face, along));
     }
     double reflected[3];
     if (known && known(context, place->point, &hit, reflected)) {

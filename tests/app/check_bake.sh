@@ -78,6 +78,21 @@ expect 0 "$program" render "$work/dark.plan" --size 32x18 --samples 1 --direct b
 expect 1 "$program" render "$work/dark.plan" --light "$work/dark.rad" --fill-lamps off --size 32x18 --samples 1 --direct baked -o "$work/dark.png" &&
     says err 'was made with 1 fill lamps (asked for: 0; --fill-lamps on or off)'
 expect 1 "$program" bake "$work/dark.plan" --fill-lamps off -o "$work/off.rad" && says err 'nothing emits light'
+# Lamps by number, name and room; light of one state is no light of another, unless it holds each lamp.
+lamps=maps/buildings/studio.plan
+expect 0 "$program" info "$lamps" --lamps && says out '1  bulb  *studio' && says out '2  bulb  *bath'
+expect 0 "$program" info "$lamps" --lamps --json && says out '"room": "bath"'
+still() { expect "$1" "$program" render "$lamps" --night --light "$work/$2.rad" --lamps "$3" --size 64x36 --samples 1 --direct baked --eye 3,1,1.6 --look 3,3,1 -o "$work/still.png"; }
+expect 0 "$program" bake "$lamps" --lamps 'off,bath=on' --element 0.5 -o "$work/one.rad" --json && says out '"emitted_w": 61.' && says out '"lamps": 2' && says out '"lamps_known": 0'
+still 0 one '1=off'
+still 1 one on && says err 'was made with lamp 1, bulb, off (asked for: on; `bake --lamps each` makes light of all states)'
+expect 0 "$program" bake "$lamps" --lamps each --element 0.5 -o "$work/each.rad" --json && says out '"lamps_known": 2' && says out '"emitted_w": 122.'
+for state in on off 'studio=40%#ff8000' '1=off'; do still 0 each "$state"; done
+still 1 each 'kitchen=off' && says err 'no lamp and no room is called `kitchen` (allowed: 1 to 2, all, a room, or a lamp: bulb, bulb)'
+still 1 each '1=dim' && says err '`dim` is no state of a lamp'
+expect 1 "$program" bake "$lamps" --lamps off -o "$work/off.rad" && says err 'nothing emits light'
+expect 2 "$program" bake "$lamps" --lamps each --final-gather -o "$work/x.rad" && says err 'is not gathered by --final-gather'
+expect 0 "$program" bake "$lamps" --lamps each --element 0.5 --shots 20 -o "$work/x.rad" && says err 'the light of each lamp is not known: light was not shot and shown to the end'
 # No light, an open building, an element for each grain of sand.
 printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
 expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
@@ -191,4 +206,20 @@ same "$work/given/frame-00000.png" "$work/beside/frame-00000.png" 'the light in 
 cp "$work/short.rad" "$cached" && rm "$work/lit.rad"
 show dark && says err "passed over: $cached: has 3000 bytes"
 cmp -s "$work/given/frame-00000.png" "$work/dark/frame-00000.png" && fail 'damaged light is shown'
+# Photometric files: by option, beside a home by the lamp's name; told by info; light of their own, the same on any number of threads.
+seeds=tests/seeds
+expect 0 "$program" info $maps/two-rooms.plan --photometry lamp=$seeds/panel.ldt
+says out 'photometry tests/seeds/panel.ldt: 1 light, 25[0-9]* lm, 0 % of it upwards; 4 angles in 8 planes; opening 0.6 x 0.6 m'
+bake 0 -o "$work/panel.rad" --photometry lamp=$seeds/panel.ldt --threads 1
+bake 0 -o "$work/panel.2.rad" --photometry lamp=$seeds/panel.ldt --threads 2 --no-cull
+same "$work/panel.rad" "$work/panel.2.rad" 'the light of a photometric file depends on threads or culling'
+cmp -s "$work/panel.rad" "$work/1.rad" && fail 'a photometric file changes nothing'
+bake 1 -o "$work/x.rad" --photometry nobody=$seeds/panel.ldt && sentence && says err 'no lamp of build/maps/two-rooms.plan is called `nobody`'
+bake 1 -o "$work/x.rad" --photometry lamp=$seeds/room.obj && sentence && says err 'room.obj:2: the type of luminaire is'
+bake 1 -o "$work/x.rad" --photometry lamp && sentence && says err 'allowed NAME=FILE'
+# Light made with the file fits with it alone.
+expect 1 "$program" walk $maps/two-rooms.plan --light "$work/panel.rad" --offscreen "$work/lit"
+expect 0 "$program" render $maps/two-rooms.plan --light "$work/panel.rad" --photometry lamp=$seeds/panel.ldt -o "$work/x.png" --size 32x24 --samples 1
+cp maps/buildings/house.sh3d "$work/home.sh3d" && cp $seeds/spot.ies "$work/pendant.ies" && cp $seeds/room.obj "$work/table-lamp.ldt"
+expect 0 "$program" info "$work/home.sh3d" && says out 'pendant.ies: 3 lights' && says err 'passed over: .*table-lamp.ldt:2:'
 exit $bad

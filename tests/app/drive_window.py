@@ -500,6 +500,31 @@ def lit_pictures(v):
     v.press_all("km")
 
 
+def lamps(v):
+    """The lamps of a room go out and on again: the eye adapts to the dark, and the picture is as it was."""
+    w = v.walker
+    w.until(lambda now: now["light"]["lamps_known"], "the light of each lamp", 400)
+    v.expect(w.now["light"]["lamps"] == 24, f"the house has {w.now['light']['lamps']} lamps")
+    jump(v, "living")
+    w.wait(2)
+    before = w.now["light"]["exposure"]
+    w.key("q")
+    off = w.now["light"]["lamps_off"]
+    v.expect(off >= 1, "no lamp is off")
+    w.until(lambda now: now["light"]["exposure"] > 1.1 * before, "the eye adapts to fewer lamps", 60)
+    w.key("q")
+    v.expect(w.now["light"]["lamps_off"] == 0, f"{w.now['light']['lamps_off']} lamps are off")
+    w.until(lambda now: abs(now["light"]["exposure"] / before - 1) < 0.02, "the eye adapts back", 60)
+    w.wait(2)
+    v.press_all("m")
+    hold_against(v, "living-lit")
+    v.press_all("mj")
+    v.press_all(["Down", "bracketleft"])
+    v.expect("90 %" in w.now["message"], f"a lamp is dimmed: {w.now['message']}")
+    v.press_all(["bracketright", "j"])
+    v.expect(w.now["light"]["lamps_off"] == 0 and " on" in w.now["message"], f"it is bright: {w.now['message']}")
+
+
 PARTS = [ground_floor, out_of_one_window_in_at_another, courtyard, closed_door, upstairs, debug_views, panels, flight,
          storeys, recording, focus, sizes, changed_file, screen_shows_the_frame, pictures, culling_loses_nothing, pace]
 
@@ -532,7 +557,7 @@ def main():
         sys.exit(not (visit(arguments, keep, [], [small, light_arrives]) and good))
     good = "--lit" in sys.argv or visit(arguments, keep, ["--no-bake"], PARTS)
     # In the end a walk that is lit as it goes on; with --lit this one alone.
-    good = visit(arguments, keep, [], [light_arrives, lit_pictures]) and good
+    good = visit(arguments, keep, [], [light_arrives, lit_pictures, lamps]) and good
     sys.exit(not good)
 
 

@@ -17,6 +17,7 @@ seeds() {
     gltf) ls tests/seeds/*.gl* ;;
     foreign) ls tests/seeds/*.dae tests/seeds/*.3ds ;;
     recording) ls tests/seeds/*.path ;;
+    photometry) ls tests/seeds/*.ies tests/seeds/*.ldt ;;
     pipeline) ls tests/seeds/s*.plan tests/seeds/room* tests/seeds/*.{prt,files} ;;
     *) ls tests/seeds/*."$1" 2>/dev/null ;;
     esac | sort -u | paste -sd,

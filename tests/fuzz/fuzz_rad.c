@@ -1,13 +1,13 @@
 // fuzz_rad.c - libFuzzer on the .rad reader: a file is refused with a sentence, or it holds light that can be shot on.
 #include <stdlib.h>
 
-#include "radiosity/show/direct.h"
+#include "radiosity/show/each_lamp.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/show/shown.h"
 #include "tests/fuzz/store_target.h"
 
 // The header of rad_file.c: behind the head a checksum of what comes after it, hashed with the version.
-enum { HEADER = 336, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
+enum { HEADER = 352, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
 
 static void put_right(unsigned char *file) {
     DerivedHead head;
@@ -30,6 +30,19 @@ static RadOptions few_shots(long long shots) {
     return options;
 }
 
+// One lamp, whose light is all light, as far as the file knows.
+static void tell_lamp(RadSolution *s, Arena *arena) {
+    static const Rgb FULL[] = {{1, 1, 1}};
+    LampLight *each = ARENA_ARRAY(arena, LampLight, 1);
+    each->radiosity = sparse_light_new(s->radiosity, NULL, s->element_count, 0, arena);
+    each->direct = sparse_light_new(s->direct, NULL, s->element_count, 0, arena);
+    each->straight = sparse_light_new(s->node, NULL, s->node_count, 0, arena);
+    each->rest = sparse_light_new(s->rest, NULL, s->node_count, 0, arena);
+    s->lit = FULL;
+    s->lamp_count = s->each_count = 1;
+    s->each = each;
+}
+
 static void make(Made *m) {
     StoreTarget *t = &m->target;
     static unsigned char BITS[] = {0xad, 0x6b, 0x5d, 0x11, 0xff, 0x83};
@@ -43,8 +56,22 @@ static void make(Made *m) {
         abort();
     rad_shoot(&m->mesh, &t->forest, m->doors, &options, NULL, &solution);
     if (!direct_show(&m->mesh, &t->forest, m->doors, 1, NULL, &t->arena, &solution, NULL)) abort();
+    tell_lamp(&solution, &t->arena);
     if (!rad_save(t->saved, &m->mesh, m->doors, &solution, NULL)) abort();
     store_target_keep(t);
+}
+
+// A forged file tells any number of steps, but each is finite, and none is below 0.
+static void switch_lamps(RadSolution *solution) {
+    Arena arena = {0};
+    Rgb *lit = ARENA_ARRAY(&arena, Rgb, solution->lamp_count + 1);
+    for (int i = 0; i < solution->lamp_count; i++) lit[i] = (Rgb){1, 0.5f, 0};
+    for (int i = 0; i < solution->each_count; i++) each_lamp_one(solution, i, &arena);
+    if (solution->each) each_lamp_sum(solution, lit);
+    for (int n = 0; n < solution->node_count && solution->each; n++)
+        for (int c = 0; c < 3; c++)
+            if (!(solution->node[n][c] >= 0 && isfinite(solution->node[n][c]))) abort();
+    arena_free(&arena);
 }
 
 // As it is shown, then some more shots: sums may overflow, but light is never below 0.
@@ -95,6 +122,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     float doors[4];
     Error error = {""};
     if (rad_load(STORE_TARGET_PATH, &made.mesh, made.doors, arena, &solution, &error)) {
+        switch_lamps(&solution);
         use(&made, &solution);
         target_count(TARGET_PASSED);
     } else if (error.text[0] == 0) {

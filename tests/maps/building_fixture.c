@@ -53,7 +53,7 @@ Building building_sound_building(Arena *arena) {
     Vec3 quad[4] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
     building_add_polygon(arena, &b, quad, 4, 0);
     *ARENA_PUSH(arena, b.lights, b.light_count, b.light_capacity) =
-        (Light){"lamp", {1, 1, 2}, 0.1, {1, 1, 1}, 0};
+        (Light){.name = "lamp", .position = {1, 1, 2}, .radius = 0.1, .flux = {1, 1, 1}, .object = 0};
     *ARENA_PUSH(arena, b.viewpoints, b.viewpoint_count, b.viewpoint_capacity) =
         (Viewpoint){"door", {1, 1, 1.6}, 0, 0, 1};
     b.world = (Box){{0, 0, 0}, {8, 3, 2.5}};

@@ -1,0 +1,209 @@
+// bench_relight.c - how soon light follows the lamps, and how right it is then: sums of the light of each lamp, all light shot anew along
+// rows that are kept, and all from nothing, against lamps of which each is shot to a millionth.
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/bench/bench.h"
+#include "engine/core/clock.h"
+#include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "engine/draw/lit_states.h"
+#include "engine/scene/bake_mesh.h"
+#include "radiosity/shoot/shoot_rows.h"
+#include "radiosity/show/each_lamp.h"
+
+static const char HEAD[] =
+    "building,change,method,ms_90,ms_whole,speedup,error_p99,error_mean,lamps,elements,mb\n";
+// Random states; and those of them that are also shot, which takes minutes.
+enum { STATES = 200, SHOT = 1, APART = STATES / SHOT + 1 };
+// The truth: unshot light of each lamp, as a share of its own. A tenth of this residual (each_lamp.h).
+static const double TRUTH = 1e-5;
+// Light below this share of the brightest state of an element counts as that much.
+static const double DARK = 1e-3;
+
+typedef struct Relit {
+    const char *file;
+    LoadedScene scene;
+    float *doors;
+    Mesh mesh;
+    RadOptions rad;
+    RadSolution solution, truth;  // both with `each`
+    double bake_seconds, each_seconds;
+    Text *csv;
+} Relit;
+
+static void copy_light(Arena *arena, RadSolution *s) {
+    double(**all[])[3] = {&s->radiosity, &s->direct, &s->node, &s->rest, &s->unshot};
+    const int count[] = {s->element_count, s->element_count, s->node_count, s->node_count, s->patch_count};
+    for (int i = 0; i < 5; i++) {
+        double(*to)[3] = arena_alloc(arena, (size_t)count[i] + 1, sizeof *to);
+        memcpy(to, *all[i], (size_t)count[i] * sizeof *to);
+        *all[i] = to;
+    }
+}
+
+static bool bake_each(Relit *r, Arena *arena, Error *error) {
+    double start = clock_seconds();
+    BakeOptions bake = bake_default_options();
+    if (!bake_mesh(&bake, &r->scene, NULL, NULL, arena, &r->doors, &r->mesh, error)) return false;
+    r->rad = bake.rad;
+    rad_fit(&r->mesh, &r->rad);
+    if (!rad_start(&r->mesh, arena, &r->solution, error)) return false;
+    r->rad.rows = shoot_rows_new(&r->mesh, &r->scene.forest, r->doors, &r->rad, &r->solution.day, arena);
+    DirectSources *sources = each_lamp_sources(&r->mesh, &r->scene.lamps, 0, arena);
+    rad_shoot(&r->mesh, &r->scene.forest, r->doors, &r->rad, NULL, &r->solution);
+    direct_show_apart(&r->mesh, &r->scene.forest, r->doors, 0, NULL, arena, &r->solution, sources, NULL);
+    r->bake_seconds = clock_seconds() - start;
+    r->truth = r->solution;
+    copy_light(arena, &r->truth);
+    RadOptions fine = r->rad;
+    fine.residual = TRUTH;
+    EachLamp each = {&r->mesh, &r->scene.lamps, &r->scene.forest, r->doors, &r->rad, sources}, exact = each;
+    exact.options = &fine;
+    start = clock_seconds();
+    bool good = each_lamp_find(&each, NULL, arena, &r->solution);
+    r->each_seconds = clock_seconds() - start;
+    good = good && each_lamp_find(&exact, NULL, arena, &r->truth);
+    direct_sources_end(sources);
+    return good || error_set(error, "%s: the light of each lamp could not be found", r->file);
+}
+
+// ---- errors
+
+typedef struct Errors {
+    float *off;  // [capacity]
+    size_t count, capacity;
+    double sum;
+} Errors;
+
+static Errors errors_new(int elements, int states, Arena *arena) {
+    size_t capacity = (size_t)elements * (size_t)states;
+    return (Errors){.off = arena_alloc(arena, capacity + 1, sizeof(float)), .capacity = capacity};
+}
+
+static void add_errors(Errors *e, double (*light)[3], double (*truth)[3], double (*brightest)[3], int count) {
+    for (int i = 0; i < count; i++) {
+        double scale = fmax(rgb_sum(truth[i]), DARK * rgb_sum(brightest[i]));
+        if (!(scale > 0)) continue;
+        double off = fabs(rgb_sum(light[i]) - rgb_sum(truth[i])) / scale;
+        e->off[e->count++] = (float)off;
+        e->sum += off;
+    }
+}
+
+static int smaller_first(const void *a, const void *b) {
+    float p = *(const float *)a, q = *(const float *)b;
+    return (p > q) - (p < q);
+}
+
+static void print_row(Relit *r, const char *change, const char *method, double seconds, Errors *e) {
+    qsort(e->off, e->count, sizeof *e->off, smaller_first);
+    text_append(r->csv, "%s,%s,%s,%.2f,%.2f,%.1f,%.5f,%.6f,%d,%d,%.2f\n", bench_name(r->file), change, method,
+                1e3 * seconds, 1e3 * seconds, r->bake_seconds / seconds,
+                e->count > 0 ? (double)e->off[(size_t)(0.99 * (double)(e->count - 1))] : 0,
+                e->count > 0 ? e->sum / (double)e->count : 0, r->scene.lamps.count, r->mesh.element_count,
+                (double)each_lamp_bytes(&r->solution) / (1 << 20));
+}
+
+// ---- states
+
+// One lamp alone at first, then any: on, off, dimmed, coloured.
+static void random_state(Random *random, int index, int count, Rgb *lit) {
+    for (int i = 0; i < count; i++) {
+        bool on = index < count ? i == index : random_unit(random) < 0.5;
+        float share = on && random_unit(random) < 0.5 ? (float)random_unit(random) : (float)on;
+        bool coloured = index >= count && random_unit(random) < 0.2;
+        lit[i] = (Rgb){share, coloured ? share / 2 : share, coloured ? 0 : share};
+    }
+}
+
+// Shot in the state as it is: from nothing, or along kept rows.
+static double shoot_state(const Relit *r, const Rgb *lit, bool kept, Arena *arena, RadSolution *out) {
+    Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
+    Error error;
+    RadOptions rad = r->rad;
+    double start = clock_seconds();
+    *mesh = lamps_mesh(&r->scene.lamps, &r->mesh, lit, arena);
+    if (!kept) rad.rows = NULL;
+    rad_start_dark(mesh, arena, out, &error);
+    rad_shoot(mesh, &r->scene.forest, r->doors, &rad, NULL, out);
+    direct_show(mesh, &r->scene.forest, r->doors, 0, NULL, arena, out, NULL);
+    return clock_seconds() - start;
+}
+
+static void compare_states(Relit *r, const BenchArguments *a) {
+    Arena scratch = {0};
+    Random random = {a->seed};
+    int lamps = r->scene.lamps.count, elements = r->mesh.element_count, nodes = r->solution.node_count;
+    Rgb *lit = ARENA_ARRAY(&scratch, Rgb, lamps + 1);
+    RadSolution brightest = r->truth;
+    copy_light(&scratch, &brightest);
+    Errors of_elements = errors_new(elements, STATES, &scratch),
+           of_nodes = errors_new(nodes, STATES, &scratch), kept = errors_new(elements, SHOT, &scratch),
+           anew = errors_new(elements, SHOT, &scratch);
+    double seconds[3] = {0};
+    for (int i = 0; i < STATES; i++) {
+        random_state(&random, i, lamps, lit);
+        double start = clock_seconds();
+        each_lamp_sum(&r->solution, lit);
+        seconds[0] += (clock_seconds() - start) / STATES;
+        each_lamp_sum(&r->truth, lit);
+        add_errors(&of_elements, r->solution.radiosity, r->truth.radiosity, brightest.radiosity, elements);
+        add_errors(&of_nodes, r->solution.node, r->truth.node, brightest.node, nodes);
+        for (int nothing = 0; nothing < 2 && i % APART == 1; nothing++) {
+            Arena shot = {0};
+            RadSolution s;
+            seconds[1 + nothing] += shoot_state(r, lit, !nothing, &shot, &s) / SHOT;
+            add_errors(nothing ? &anew : &kept, s.radiosity, r->truth.radiosity, brightest.radiosity,
+                       elements);
+            arena_free(&shot);
+        }
+    }
+    print_row(r, "lamps", "sum of lamps", seconds[0], &of_elements);
+    print_row(r, "lamps", "sum of lamps; as shown", seconds[0], &of_nodes);
+    print_row(r, "lamps", "shot along kept rows", seconds[1], &kept);
+    print_row(r, "lamps", "from nothing", seconds[2], &anew);
+    arena_free(&scratch);
+}
+
+static bool relight_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+    Relit *r = calloc(1, sizeof *r);
+    Arena arena = {0};
+    SceneOptions load = a->load;
+    load.lamps = SCENE_LAMPS_ALL;
+    if (!r) return error_set(error, "no memory");
+    r->file = file;
+    r->csv = csv;
+    bool good = app_load(file, &load, &arena, &r->scene, error) && bake_each(r, &arena, error);
+    if (good) {
+        Errors none = {0};
+        print_row(r, "all lamps", "each lamp by itself", r->each_seconds, &none);
+        print_row(r, "all lamps", "all together", r->bake_seconds, &none);
+        compare_states(r, a);
+    }
+    if (r->rad.rows) shoot_rows_end(r->rad.rows);
+    arena_free(&arena);
+    free(r);
+    return good;
+}
+
+static bool measure_relight(const BenchArguments *a, Error *error) {
+    return bench_table(a, HEAD, NULL, relight_file, error);
+}
+
+static const Option ROWS[] = {BENCH_SEED("of the states"), OPTION_FILL_LAMPS(BENCH_AT(load.fill_lamps)),
+                              BENCH_CSV};
+
+const Bench BENCH_RELIGHT = {
+    .name = "relight",
+    .about = "200 states of the lamps of each FILE: how soon their light is there, and how far it is off the "
+             "light of "
+             "lamps that are shot to a millionth, at elements and at what is shown; relative to "
+             "the light "
+             "there, or to a thousandth of that of all lamps where that is more",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_relight,
+    .files = "build/maps/house.plan",
+    .fill_lamps = FILL_LAMPS_ON,
+};

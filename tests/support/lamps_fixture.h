@@ -1,0 +1,28 @@
+// lamps_fixture.h - three rooms with four lamps, with the light of each lamp.
+#ifndef TESTS_LAMPS_FIXTURE_H
+#define TESTS_LAMPS_FIXTURE_H
+
+#include "engine/scene/scene.h"
+#include "radiosity/show/each_lamp.h"
+
+// A room with a panel in its ceiling and a glowing box, a second one with a panel behind a door that is half open, a third one of its own
+// with a light.
+typedef struct Lamps3 {
+    Arena arena;
+    LoadedScene scene;
+    float *doors;
+    Mesh mesh;
+    RadSolution solution;  // with `each`, as their sum
+    RadSolution joint;     // as it was before, of all lamps together
+} Lamps3;
+
+// `day`: in daylight, through a window of the first room.
+Lamps3 *lamps3_load(bool day);
+// Shoots to a residual, and finds the light of each lamp.
+void lamps3_bake(Lamps3 *l, double residual, int threads);
+void lamps3_free(Lamps3 *l);
+
+// The mesh with one lamp alone, fully lit.
+Mesh lamps3_alone(Lamps3 *l, int lamp);
+
+#endif

@@ -154,7 +154,7 @@ static void shoot(ShotBench *b, Run *run, int s, bool first) {
     const View *view = &axes;
     view_axes(axes.z, &axes.x, &axes.y);
     double start = clock_thread_seconds();
-    if (!run->method->whole_mesh) view = viewer_look(b->viewer, &from, run->culling);
+    if (!run->method->whole_mesh) view = form_factor_look(run->rows, b->viewer, &from, run->culling);
     double looked = clock_thread_seconds();
     const Row *row = form_factor_row(run->rows, view);
     double end = clock_thread_seconds();

@@ -79,7 +79,8 @@ typedef struct FormFactorMethod {
     bool projective;
     // Sees all faces of the mesh through a tree of its own: it uses only the eye and the axes of a view
     bool whole_mesh;
-    bool mended;  // the shares of faces close by are corrected (near_faces.h)
+    bool clusters;  // opens those clusters of a view that its samples may see, and no others
+    bool mended;    // the shares of faces close by are corrected (near_faces.h)
     // Makes the tables for the options. The pointer returned, which may be NULL, is the `self` of the other functions. All memory
     // is taken here.
     void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
@@ -101,6 +102,8 @@ FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
                             const FormFactorOptions *options, Arena *arena);
 // Frees the memory outside the arena.
 void form_factor_end(FormFactor *self);
+// The view of a point for the method's rows, which may leave clusters closed.
+const View *form_factor_look(const FormFactor *self, Viewer *viewer, const ViewPoint *from, Culling culling);
 // The row of a view; valid until the next call.
 const Row *form_factor_row(FormFactor *self, const View *view);
 // The directions and weights of a projective method's samples: for tests and pictures.

@@ -7,6 +7,8 @@
 // share: its elements are scaled to the exact share, and all other elements alike to the rest.
 #include "radiosity/factors/near_faces.h"
 
+#include <math.h>
+
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/factors/analytic.h"
@@ -78,9 +80,29 @@ static bool reaches_into(const Vec3 *v, int count, const Plane *space, int plane
     return count >= 3;
 }
 
+// May any part of a cluster lie in the space?
+static bool cluster_reaches_into(const View *view, const ViewCluster *cluster, const Plane *space,
+                                 int planes) {
+    const float *c = cluster->centre, *half = cluster->half;
+    Vec3 centre = {(double)c[0], (double)c[1], (double)c[2]};
+    for (int i = 0; i < planes; i++) {
+        // The plane's normal along the axes of the building.
+        Vec3 n = vec3_add(vec3_scale(view->x, space[i].n.x),
+                          vec3_add(vec3_scale(view->y, space[i].n.y), vec3_scale(view->z, space[i].n.z)));
+        double size = fabs(n.x) * (double)half[0] + fabs(n.y) * (double)half[1] + fabs(n.z) * (double)half[2];
+        if (plane_distance(space[i], centre) < -(size + TOUCH * (1 + vec3_length(centre)))) return false;
+    }
+    return true;
+}
+
 static bool is_free(const View *view, const ViewFace *face) {
     Plane space[ANALYTIC_CORNERS];
     int planes = space_before(view, face, space);
+    for (int i = 0; i < view->cluster_count; i++) {
+        const ViewCluster *cluster = &view->clusters[i];
+        if (cluster->listed != VIEW_ALL && cluster_reaches_into(view, cluster, space, planes))
+            view_list(view, i, VIEW_ALL);
+    }
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *other = &view->faces[i];
         if (other != face &&

@@ -137,10 +137,10 @@ static const double ONE_PLANE = 1e-8;
 #define ROUNDING (8 * 0x1p-24f)
 // The coefficients of faces nearer than this, metres, count as at this distance: otherwise all directions of these faces would be ties.
 #define NEAREST 1e-3f
-
-static const float MOST_TIE = ROUNDING * (1 / NEAREST);
-// By how much, 1/m, rounding may change the difference of the 1 / distances of a face and another one.
-static float sampler_tie_within(const Form *near) {
+// By how much, 1/m, rounding may change the difference of the 1 / distances of two faces, whatever the faces.
+static const float TIE = ROUNDING * (1 / NEAREST);
+// The same of two faces, of which this is the one with the larger coefficients.
+static float tie_within(const Form *near) {
     return ROUNDING * fminf(near->abs_x + near->abs_y + near->abs_z, 1 / NEAREST);
 }
 
@@ -153,12 +153,14 @@ static bool is_first(const ViewFace *a, const ViewFace *b) {
     return form_factor_rank(a) < form_factor_rank(b);
 }
 
-// For two faces in one plane: 1, the first face is seen; -1, the other one. 0: they do not lie in one plane.
+// For two faces in one plane: 1, the first face is seen; -1, the other one. 0: they do not lie in one plane. The vertices of the face of
+// higher index are compared with the plane of the other one, so that the order in which faces are drawn does not matter.
 static int sampler_tie_of_planes(const SamplerView *of, int face, int other) {
-    const ViewFace *a = view_face(of, face), *b = view_face(of, other);
+    const ViewFace *a = view_face(of, face < other ? face : other),
+                   *b = view_face(of, face < other ? other : face);
     for (int i = 0; i < b->vertex_count; i++)
         if (fabs(vec3_dot(a->n, of->view->vertices[b->first_vertex + i]) - a->d) > ONE_PLANE) return 0;
-    return is_first(a, b) ? 1 : -1;
+    return is_first(a, b) == (face < other) ? 1 : -1;
 }
 
 // A vertex of an edge (`name` as in FaceEdge), from the eye, in the view's axes.
@@ -362,15 +364,25 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool fl
     return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
-// Among the directions `tied` in a row, which see another face (`before`) at the same distance, returns those that see the new face.
-static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
+// Among the directions `tied` in a row, which see another face (`before`) at about the same distance, returns those that see the new face.
+// `nearer`: the difference of the 1 / distances, which decides where it is more than rounding of these two faces.
+static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before,
+                          Lane nearer) {
     LaneInt wins = {0};
     for (unsigned left = lane_mask(tied); left;) {
         int other = before[__builtin_ctz(left)];
-        unsigned same = lane_mask(before == lane_int_of(other)) & left;
-        left &= ~same;
+        LaneInt these = tied & (before == lane_int_of(other));
+        left &= ~lane_mask(these);
+        if (other < 0) {
+            wins |= these;
+            continue;
+        }
+        Form near = near_form(&d->of->sampler->frame, view_face(d->of, other));
+        float tie = fmaxf(tie_within(&d->near), tie_within(&near));
+        wins |= these & (nearer > tie);
+        unsigned same = lane_mask(these & (lane_abs(nearer) <= tie));
         // Mostly the two faces lie in one plane, and the order is the same for all directions.
-        int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
+        int all = same ? sampler_tie_of_planes(d->of, d->face, other) : 0;
         for (; same; same &= same - 1) {
             int i = __builtin_ctz(same);
             Vec3 w = vec3((double)b->x[row][i], (double)b->y[row][i], (double)b->z[row][i]);
@@ -388,7 +400,7 @@ static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *it
         LaneInt before = items->face[row];
         LaneInt tied = ~outside[row] & (lane_abs(value - items->near[row]) <= d->tie) & (before != d->face);
         if (lane_mask(tied) == 0) continue;
-        LaneInt wins = settle_row(d, b, row, tied, before);
+        LaneInt wins = settle_row(d, b, row, tied, before, value - items->near[row]);
         items->near[row] = lane_choose(wins, value, items->near[row]);
         items->face[row] = lane_choose_int(wins, lane_int_of(d->face), before);
     }
@@ -633,47 +645,191 @@ static void clear(Sampler *s) {
         s->group_boxes[k].far = lane_choose(s->group_boxes[k].half_x > 0, (Lane){0}, none);
 }
 
-void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
-    s->stamp++;
-    clear(s);
-    s->frame = frame_of(s, view);
+// ---- clusters
+
+// The rectangle of columns and rows of an even grid that the directions to a box lie in; all of the grid where the box is wide.
+static inline void find_box_span(const Sampler *s, const View *view, const ViewCluster *cluster, Span *out) {
+    static const Lane SIGN[3] = {
+        {-1, 1, -1, 1, -1, 1, -1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, -1, -1, -1, 1, 1, 1, 1}};
+    Lane at[3], along[2];
+    for (int c = 0; c < 3; c++) {
+        Vec3 axis = c == 0 ? view->x : c == 1 ? view->y : view->z;
+        at[c] = cluster->centre[c] + (cluster->half[0] * (float)axis.x) * SIGN[0] +
+                (cluster->half[1] * (float)axis.y) * SIGN[1] + (cluster->half[2] * (float)axis.z) * SIGN[2];
+    }
+    Lane scale = 1 / lane_root(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+    const float cosine = (float)s->cosine, sine = (float)s->sine;
+    along[0] = (at[0] * cosine + at[1] * sine) * scale;
+    along[1] = (at[1] * cosine - at[0] * sine) * scale;
+    at[2] *= scale;
+    float low[2], high[2], up = -lane_least_of(-at[2]) - lane_least_of(at[2]), width2 = up * up;
+    for (int k = 0; k < 2; k++) {
+        low[k] = lane_least_of(along[k]), high[k] = -lane_least_of(-along[k]);
+        width2 += (high[k] - low[k]) * (high[k] - low[k]);
+    }
+    float margin = (float)ARC * width2 + (float)SPAN_ROUNDING + (float)(4 * RAD_STRAIGHT) * cluster->nearest;
+    bool wide = !(width2 < (float)(WIDEST_SPAN * WIDEST_SPAN) && margin < (float)WIDEST_SPAN);
+    const EvenGrid *even = &s->even;
+    for (int k = 0; k < 2; k++) {
+        float first = (float)even->first[k], per_unit = (float)even->per_unit,
+              last = (float)(even->size[k] - 1);
+        out->first[k] = wide ? 0 : (int)fmaxf(ceilf((low[k] - margin - first) * per_unit), 0);
+        out->last[k] = wide ? (int)last : (int)fminf(floorf((high[k] + margin - first) * per_unit), last);
+    }
+}
+
+// Is something at most as near as `nearest`, 1 / distance, seen in a rectangle of samples? Elsewhere it is hidden.
+static bool is_open(const Sampler *s, const Span *span, float nearest) {
+    enum { SHIFT = 3 };
+    static const LaneInt LANE = {0, 1, 2, 3, 4, 5, 6, 7};
+    Lane limit = lane_of(nearest);
+    for (int j = span->first[1] >> SHIFT; j <= span->last[1] >> SHIFT; j++) {
+        int first = span->first[1] - (j << SHIFT), last = span->last[1] - (j << SHIFT);
+        first = first > 0 ? first : 0;
+        last = last < SAMPLER_BLOCK - 1 ? last : SAMPLER_BLOCK - 1;
+        for (int i = span->first[0] >> SHIFT; i <= span->last[0] >> SHIFT; i++) {
+            int group = j / GROUP_SIDE * s->even.across + i / GROUP_SIDE,
+                k = j % GROUP_SIDE * GROUP_SIDE + i % GROUP_SIDE;
+            float far = ((const float *)&s->block_boxes[group * 2 + k / LANES].far)[k % LANES];
+            if (nearest < far) continue;
+            unsigned before = s->used[group] & ((1u << k) - 1);
+            const Lane *near = s->items[s->first_block[group] + __builtin_popcount(before)].near;
+            LaneInt any = {0}, column = LANE + (i << SHIFT);
+            for (int row = first; row <= last; row++) any |= near[row] <= limit;
+            if (lane_mask(any & (column >= span->first[0]) & (column <= span->last[0]))) return true;
+        }
+    }
+    return false;
+}
+
+// May a sample see a face of a cluster, by the box about it and the depths seen so far?
+static bool may_see_cluster(const Sampler *s, const View *view, const ViewCluster *cluster) {
+    Span span;
+    find_box_span(s, view, cluster, &span);
+    if (span.first[0] > span.last[0] || span.first[1] > span.last[1]) return false;
+    return !view->by_depth || is_open(s, &span, cluster->nearest * (1 + (float)NEAREST_MARGIN) + TIE);
+}
+
+// Faces that are nearer than this, metres, are listed.
+#define TOO_NEAR 1e-3f
+
+// Which faces of a cluster may a sample see? A bit for each. The same tests that are made of other faces one by one, in floats and a little
+// wider. `wide`: those that have no span.
+static unsigned faces_to_list(const Sampler *s, const View *view, int index, unsigned *wide, Span *span) {
+    Lane v[CLUSTER_CORNERS][3], sum[3] = {{0}};
+    view_corners(view, index, (float(*)[3][LANES])v);
+    const Lane none = lane_of(INFINITY);
+    Lane low[3] = {none, none, none}, high[3] = {-none, -none, -none}, closest = {0}, least = none;
+    const float cosine = (float)s->cosine, sine = (float)s->sine;
+    for (int i = 0; i < CLUSTER_CORNERS; i++) {
+        for (int c = 0; c < 3; c++) sum[c] += v[i][c];
+        Lane scale = 1 / lane_root(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
+        const Lane w[3] = {(v[i][0] * cosine + v[i][1] * sine) * scale,
+                           (v[i][1] * cosine - v[i][0] * sine) * scale, v[i][2] * scale};
+        for (int c = 0; c < 3; c++) low[c] = lane_least(low[c], w[c]), high[c] = lane_most(high[c], w[c]);
+        closest = lane_most(closest, scale);
+    }
+    for (int i = 0; i < CLUSTER_CORNERS; i++)
+        least = lane_least(least, sum[0] * v[i][0] + sum[1] * v[i][1] + sum[2] * v[i][2]);
+    least /= lane_root(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+    Lane width[3], width2, margin;
+    for (int c = 0; c < 3; c++) width[c] = high[c] - low[c];
+    width2 = width[0] * width[0] + width[1] * width[1] + width[2] * width[2];
+    margin = (float)ARC * width2 + (float)(2 * SPAN_ROUNDING) + (float)(4 * RAD_STRAIGHT) * closest;
+    LaneInt keep = ~((width2 < (float)(WIDEST_SPAN * WIDEST_SPAN)) & (margin < (float)WIDEST_SPAN) &
+                     (least > TOO_NEAR)),
+            above = high[2] > -(float)SPAN_ROUNDING, some = above;
+    const EvenGrid *even = &s->even;
+    LaneInt first[2], last[2];
+    for (int k = 0; k < 2; k++) {
+        // Above 0, conversion rounds down.
+        Lane shift = (2 - (float)even->first[k]) - margin, from = (low[k] + shift) * (float)even->per_unit,
+             to = (high[k] + shift + 2 * margin) * (float)even->per_unit;
+        int moved = (int)(2 * even->per_unit);
+        first[k] = __builtin_convertvector(from, LaneInt);
+        first[k] -= (__builtin_convertvector(first[k], Lane) < from) + moved;
+        last[k] = __builtin_convertvector(to, LaneInt) - moved;
+        some &= (first[k] <= last[k]) & (last[k] >= 0) & (first[k] < even->size[k]);
+    }
+    *wide = lane_mask(keep & above);
+    unsigned out = *wide;
+    Lane nearest = (1 + 2 * (float)NEAREST_MARGIN) / least + TIE;
+    for (unsigned left = lane_mask(some) & ~*wide; left; left &= left - 1) {
+        int i = __builtin_ctz(left);
+        for (int k = 0; k < 2; k++) {
+            span[i].first[k] = first[k][i] > 0 ? first[k][i] : 0;
+            span[i].last[k] = last[k][i] < even->size[k] ? last[k][i] : even->size[k] - 1;
+        }
+        out |= (unsigned)(!view->by_depth || is_open(s, &span[i], nearest[i])) << i;
+    }
+    return out;
+}
+
+// Draws face i of the view. `span`: where it is known; NULL: anywhere. No part is nearer than `nearest`, 1 / distance.
+static void draw_listed(Sampler *s, const View *view, int i, const Span *span, float nearest,
+                        FormFactorWork *work) {
+    const ViewFace *face = &view->faces[i];
     SamplerView of = {s, view};
-    float tie = 0;
+    Drawing d = {.near = near_form(&s->frame, face),
+                 .nearest = fminf(nearest_of(view, face), nearest),
+                 .tie = TIE,
+                 .by_depth = view->by_depth,
+                 .of = &of,
+                 .edges = s->edges,
+                 .crossed = s->crossed,
+                 .crossing = s->crossing,
+                 .face = face->face};
+    if (span && is_small(span)) {
+        draw_small(s, span, &d, work);
+        return;
+    }
+    d.edge_count = make_edges(s, &s->frame, view, face);
+    if (span)
+        draw_medium(s, span, &d, work);
+    else
+        draw_face(s, &d, work);
+}
+
+// Draws the faces that are listed first.
+static void draw_faces(Sampler *s, const View *view, FormFactorWork *work) {
     bool even = s->even.per_unit > 0;
     unsigned any = 0xff;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
-        bool can = true;
         if (even && i % LANES == 0) any = faces_with_samples(s, view, i);
-        can = any >> i % LANES & 1;
-        if (!can && tie >= MOST_TIE) continue;
-        Form near = near_form(&s->frame, face);
-        tie = fmaxf(tie, sampler_tie_within(&near));
-        if (!can) continue;
+        if (!(any >> i % LANES & 1)) continue;
         Span span;
         bool spanned = even && find_span(s, view, face, &span);
         if (spanned && (span.first[0] > span.last[0] || span.first[1] > span.last[1])) continue;
-        Drawing d = {.near = near,
-                     .nearest = nearest_of(view, face),
-                     .tie = tie,
-                     .by_depth = view->by_depth,
-                     .of = &of,
-                     .edges = s->edges,
-                     .crossed = s->crossed,
-                     .crossing = s->crossing,
-                     .face = face->face};
-        if (spanned && is_small(&span)) {
-            draw_small(s, &span, &d, work);
-            continue;
-        }
-        d.edge_count = make_edges(s, &s->frame, view, face);
-        if (spanned)
-            draw_medium(s, &span, &d, work);
-        else
-            draw_face(s, &d, work);
+        draw_listed(s, view, i, spanned ? &span : NULL, INFINITY, work);
     }
+}
+
+static void draw_cluster(Sampler *s, const View *view, int index, FormFactorWork *work) {
+    const ViewCluster *cluster = &view->clusters[index];
+    const bool even = s->even.per_unit > 0;
+    unsigned wide = VIEW_ALL, list = VIEW_ALL;
+    Span span[LANES];
+    if (even && !may_see_cluster(s, view, cluster)) return;
+    if (even) list = faces_to_list(s, view, index, &wide, span);
+    int i = view->face_count;
+    for (unsigned listed = view_list(view, index, list); listed; listed &= listed - 1, i++) {
+        int lane = __builtin_ctz(listed);
+        s->view_index[view->faces[i].face] = i;
+        draw_listed(s, view, i, wide >> lane & 1 ? NULL : &span[lane],
+                    cluster->nearest * (1 + (float)NEAREST_MARGIN), work);
+    }
+}
+
+void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
+    s->stamp++;
+    clear(s);
+    s->frame = frame_of(s, view);
+    draw_faces(s, view, work);
+    for (int i = 0; i < view->cluster_count; i++)
+        if (view->clusters[i].listed != VIEW_ALL) draw_cluster(s, view, i, work);
     work->samples += s->samples.count;
 }
 
@@ -770,16 +926,14 @@ static inline void find_squares(Sampler *s, const View *view, int block, uint64_
     }
 }
 
-// The element of a direction whose square has none or several, because of rounding or a slanted edge (mesh_element_at).
-static int element_beside(const Sampler *s, const View *view, int block, int at) {
+// The element of a direction whose square has none or several, because of rounding or a slanted edge. `side` and `up`: the samples' axes.
+static int element_beside(const Sampler *s, const View *view, Vec3 side, Vec3 up, int block, int at) {
     const SampleBlock *b = &s->blocks[block];
     int row = at / LANES, lane = at % LANES, face = s->items[block].face[row][lane];
     double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
     double distance = 1 / (double)s->items[block].near[row][lane];
-    Vec3 side, up;
-    sampler_axes(s, view, &side, &up);
     Vec3 w = vec3_add(vec3_scale(side, x), vec3_add(vec3_scale(up, y), vec3_scale(view->z, z)));
-    return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
+    return lines_element_at(&s->outlines, s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 
 // The share of the samples in `run`, a bit for each place of a block.
@@ -792,8 +946,10 @@ static double share_of(const Sampler *s, int block, uint64_t run) {
 }
 
 static void add_beside(const Sampler *s, const View *view, int block, uint64_t run, RowSum *sum) {
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
     for (; run; run &= run - 1) {
-        int element = element_beside(s, view, block, __builtin_ctzll(run));
+        int element = element_beside(s, view, side, up, block, __builtin_ctzll(run));
         row_add(sum, element, share_of(s, block, run & -run));
     }
 }

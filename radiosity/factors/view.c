@@ -5,6 +5,7 @@
 // numbers do not depend on the culling.
 #include "radiosity/factors/view.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/error.h"
@@ -24,24 +25,53 @@ typedef struct FaceShape {
     int first, count;  // in Viewer.corners
 } FaceShape;
 
+// Faces of one object that lie together.
+typedef struct Cluster {
+    Vec3 centre, half;  // of the box about them: its middle, and half its size, metres
+    int first, count;   // in Viewer.shapes
+} Cluster;
+
+// Their corners, a lane for each face, from the middle of the box in the axes of the building. Of polygons with more corners than four,
+// the corners of a rectangle about them.
+typedef struct ClusterCorners {
+    Lane at[CLUSTER_CORNERS][3];
+} ClusterCorners;
+
+// A face's shape, or a cluster, to be sorted by distance.
 typedef struct FaceKey {
     uint32_t distance;  // squared, m^2: the bits of a float, which sort like the float
-    int face, first;    // `first` of the face's vertices in View.vertices
+    int shape, first;   // `first` of the face's vertices in View.vertices
 } FaceKey;
+
+// The point and the axes of the view at hand.
+typedef struct Look {
+    Viewer *viewer;
+    Vec3 eye, x, y, z;
+    Four turn[3];  // the unit vectors x, y and z of building space in the view's axes
+    bool leave;    // clusters are left closed
+} Look;
 
 struct Viewer {
     const Mesh *mesh;
     const StabForest *forest;
     const float *door_open;
     VisQuery *query;
-    FaceShape *shapes;  // [face_count]
-    Vec3 *corners;      // [outline_count] of faces, building space
-    double on_plane;    // metres
-    int *object_face;   // [object_count + 1] object o has faces object_face[o] .. object_face[o + 1] - 1
-    unsigned *seen;     // [object_count] the last look with CULL_CELLS that took the object
+    FaceShape *shapes;                // [face_count] cluster by cluster
+    int *face_of;                     // [face_count] the shape's, in Mesh.faces
+    ClusterCorners *cluster_corners;  // [cluster_count]
+    Cluster *clusters;                // [cluster_count] in the order of objects
+    Vec3 *corners;                    // [outline_count] of faces, shape by shape, building space
+    double on_plane;                  // metres
+    // [object_count + 1] object o has clusters object_cluster[o] .. object_cluster[o + 1] - 1
+    int *object_cluster;
+    int cluster_count;
+    unsigned *seen;  // [object_count] the last look with CULL_CELLS that took the object
     unsigned looks;
-    FaceKey *keys, *spare;  // [face_count]
+    FaceKey *keys, *spare;                       // [face_count]
+    FaceKey *cluster_keys, *spare_cluster_keys;  // [cluster_count]
+    ViewCluster *found;                          // [cluster_count] those of the view, before they are sorted
     int key_count;
+    Look look;
     View view;
 };
 
@@ -73,6 +103,99 @@ static FaceShape shape_of(const Viewer *viewer, const Face *face) {
                        .count = face->vertex_count};
 }
 
+// Clusters of fewer faces are never closed.
+enum { LEAST_IN_CLUSTER = 3 };
+
+// A face on its way into a cluster.
+typedef struct Placed {
+    double at;
+    int face;
+    FaceShape shape;
+} Placed;
+
+static int by_place(const void *a, const void *b) {
+    const Placed *p = a, *q = b;
+    return p->at != q->at ? (p->at > q->at ? 1 : -1) : p->face - q->face;
+}
+
+static Vec3 middle_of_box(const Vec3 *v, int count, Vec3 *half) {
+    Vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < count; i++) {
+        low = vec3(fmin(low.x, v[i].x), fmin(low.y, v[i].y), fmin(low.z, v[i].z));
+        high = vec3(fmax(high.x, v[i].x), fmax(high.y, v[i].y), fmax(high.z, v[i].z));
+    }
+    *half = vec3_scale(vec3_sub(high, low), 0.5);
+    return vec3_scale(vec3_add(low, high), 0.5);
+}
+
+// Corners of a quadrilateral that contains the face.
+static void four_around(const FaceShape *shape, const Vec3 *v, Vec3 out[CLUSTER_CORNERS]) {
+    for (int i = 0; i < CLUSTER_CORNERS; i++) out[i] = v[i < shape->count ? i : shape->count - 1];
+    if (shape->count <= CLUSTER_CORNERS) return;
+    Vec3 x, y;
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    view_axes(shape->n, &x, &y);
+    for (int i = 0; i < shape->count; i++) {
+        Vec3 off = vec3_sub(v[i], shape->centre);
+        const double at[2] = {vec3_dot(x, off), vec3_dot(y, off)};
+        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+    }
+    for (int i = 0; i < CLUSTER_CORNERS; i++)
+        out[i] = vec3_add(shape->centre, vec3_add(vec3_scale(x, i % 2 ? high[0] : low[0]),
+                                                  vec3_scale(y, i / 2 ? high[1] : low[1])));
+}
+
+// Makes a cluster of faces whose shapes are the last ones so far.
+static void put_cluster(Viewer *viewer, int first, int count) {
+    Vec3 around[LANES][CLUSTER_CORNERS], half;
+    for (int i = 0; i < LANES; i++) {
+        const FaceShape *shape = &viewer->shapes[first + (i < count ? i : 0)];
+        four_around(shape, viewer->corners + shape->first, around[i]);
+    }
+    Vec3 centre = middle_of_box(around[0], LANES * CLUSTER_CORNERS, &half);
+    ClusterCorners *corners = &viewer->cluster_corners[viewer->cluster_count];
+    for (int i = 0; i < LANES; i++) {
+        for (int k = 0; k < CLUSTER_CORNERS; k++) {
+            Vec3 off = vec3_sub(around[i][k], centre);
+            corners->at[k][0][i] = (float)off.x;
+            corners->at[k][1][i] = (float)off.y;
+            corners->at[k][2][i] = (float)off.z;
+        }
+    }
+    double more = viewer->on_plane;
+    half = vec3_add(half, vec3(more, more, more));
+    viewer->clusters[viewer->cluster_count++] = (Cluster){centre, half, first, count};
+}
+
+// Cuts faces in halves, across the longest way between their centres, until a half is a cluster.
+static void cluster_faces(Viewer *viewer, Placed *faces, int first, int count) {
+    if (count <= LANES) {
+        for (int i = 0; i < count; i++) {
+            viewer->shapes[first + i] = faces[i].shape;
+            viewer->face_of[first + i] = faces[i].face;
+        }
+        if (count > 0) put_cluster(viewer, first, count);
+        return;
+    }
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    int axis = 0;
+    for (int i = 0; i < count; i++) {
+        const double at[3] = {faces[i].shape.centre.x, faces[i].shape.centre.y, faces[i].shape.centre.z};
+        for (int c = 0; c < 3; c++) low[c] = fmin(low[c], at[c]), high[c] = fmax(high[c], at[c]);
+    }
+    for (int c = 1; c < 3; c++)
+        if (high[c] - low[c] > high[axis] - low[axis]) axis = c;
+    for (int i = 0; i < count; i++) {
+        Vec3 at = faces[i].shape.centre;
+        faces[i].at = axis == 0 ? at.x : axis == 1 ? at.y : at.z;
+    }
+    qsort(faces, (size_t)count, sizeof *faces, by_place);
+    // All clusters but the last are full.
+    int half = (count / 2 + LANES - 1) / LANES * LANES;
+    cluster_faces(viewer, faces, first, half);
+    cluster_faces(viewer, faces + half, first + half, count - half);
+}
+
 static void list_faces(Viewer *viewer, Arena *arena) {
     const Mesh *mesh = viewer->mesh;
     viewer->corners = ARENA_ARRAY(arena, Vec3, mesh->outline_count);
@@ -83,16 +206,25 @@ static void list_faces(Viewer *viewer, Arena *arena) {
         largest = fmax(largest, fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z))));
     }
     viewer->on_plane = ON_PLANE + ON_PLANE_RELATIVE * largest;
-    viewer->shapes = ARENA_ARRAY(arena, FaceShape, mesh->face_count);
-    for (int f = 0; f < mesh->face_count; f++) viewer->shapes[f] = shape_of(viewer, &mesh->faces[f]);
+    Arena scratch = {0};
+    Placed *placed = ARENA_ARRAY(&scratch, Placed, mesh->face_count);
+    for (int f = 0; f < mesh->face_count; f++) placed[f] = (Placed){0, f, shape_of(viewer, &mesh->faces[f])};
     // mesh->faces is in the order of objects.
-    int objects = mesh->graph->object_count, f = 0;
-    viewer->object_face = ARENA_ARRAY(arena, int, objects + 1);
+    int objects = mesh->graph->object_count, f = 0, most = mesh->face_count / LANES + objects;
+    viewer->shapes = ARENA_ARRAY(arena, FaceShape, mesh->face_count);
+    viewer->face_of = ARENA_ARRAY(arena, int, mesh->face_count);
+    viewer->clusters = ARENA_ARRAY(arena, Cluster, most);
+    viewer->cluster_corners = ARENA_ARRAY(arena, ClusterCorners, most);
+    viewer->object_cluster = ARENA_ARRAY(arena, int, objects + 1);
     for (int o = 0; o < objects; o++) {
-        viewer->object_face[o] = f;
+        int first = f;
+        viewer->object_cluster[o] = viewer->cluster_count;
         while (f < mesh->face_count && mesh->faces[f].object == o) f++;
+        cluster_faces(viewer, placed + first, first, f - first);
     }
-    viewer->object_face[objects] = f;
+    viewer->object_cluster[objects] = viewer->cluster_count;
+    CORE_ASSERT(viewer->cluster_count <= most);
+    arena_free(&scratch);
     CORE_ASSERT(f == mesh->face_count);
 }
 
@@ -108,16 +240,16 @@ Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door
     viewer->view.faces = ARENA_ARRAY(arena, ViewFace, mesh->face_count);
     viewer->view.vertices = ARENA_ARRAY(arena, Vec3, mesh->outline_count + 1);  // one spare
     list_faces(viewer, arena);
+    viewer->found = ARENA_ARRAY(arena, ViewCluster, viewer->cluster_count);
+    viewer->cluster_keys = ARENA_ARRAY(arena, FaceKey, viewer->cluster_count);
+    viewer->spare_cluster_keys = ARENA_ARRAY(arena, FaceKey, viewer->cluster_count);
+    viewer->view.clusters = ARENA_ARRAY(arena, ViewCluster, viewer->cluster_count);
+    viewer->view.viewer = viewer;
+    viewer->look.viewer = viewer;
     return viewer;
 }
 
 // ---- a look
-
-typedef struct Look {
-    Viewer *viewer;
-    Vec3 eye, x, y, z;
-    Four turn[3];  // the unit vectors x, y and z of building space in the view's axes
-} Look;
 
 static Vec3 to_view(const Look *look, Vec3 v) {
     return vec3(vec3_dot(look->x, v), vec3_dot(look->y, v), vec3_dot(look->z, v));
@@ -132,10 +264,11 @@ static inline bool may_be_seen(const Look *look, const FaceShape *shape, Vec3 to
     return off >= 1e-3 || off > look->viewer->on_plane + (double)shape->tilt * vec3_length(to_centre);
 }
 
-static void take_face(const Look *look, int face) {
+// False: no part of the face can be seen.
+static bool take_face(const Look *look, int index) {
     Viewer *viewer = look->viewer;
-    const FaceShape *shape = &viewer->shapes[face];
-    if (!may_be_seen(look, shape, vec3_sub(shape->centre, look->eye))) return;
+    const FaceShape *shape = &viewer->shapes[index];
+    if (!may_be_seen(look, shape, vec3_sub(shape->centre, look->eye))) return false;
     int first = viewer->view.vertex_count;
     const Vec3 *from = viewer->corners + shape->first;
     Vec3 *to = viewer->view.vertices + first;
@@ -152,18 +285,50 @@ static void take_face(const Look *look, int face) {
         nearest = distance < nearest ? distance : nearest;
         highest = v[2] > highest ? v[2] : highest;
     }
-    if (highest <= viewer->on_plane) return;
+    if (highest <= viewer->on_plane) return false;
     viewer->view.vertex_count += shape->count;
     float key = (float)nearest;
     FaceKey *out = &viewer->keys[viewer->key_count++];
     memcpy(&out->distance, &key, sizeof key);
-    out->face = face;
+    out->shape = index;
     out->first = first;
+    return true;
+}
+
+// The distance of the eye from a box along an axis.
+static double beyond(double off, double half) { return fmax(fabs(off) - half, 0); }
+
+static void put_floats(Vec3 v, float out[3]) {
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+// Leaves a cluster closed unless it has few faces, or the eye is in its box. Where nothing of it is above the horizon it is left out.
+static void take_cluster(const Look *look, int index) {
+    Viewer *viewer = look->viewer;
+    const Cluster *cluster = &viewer->clusters[index];
+    const Vec3 half = cluster->half, off = vec3_sub(cluster->centre, look->eye), z = look->z;
+    if (vec3_dot(z, off) + fabs(z.x) * half.x + fabs(z.y) * half.y + fabs(z.z) * half.z <= 0) return;
+    double away = vec3_length(vec3(beyond(off.x, half.x), beyond(off.y, half.y), beyond(off.z, half.z)));
+    if (!look->leave || cluster->count < LEAST_IN_CLUSTER || !(away > 0)) {
+        for (int i = 0; i < cluster->count; i++) take_face(look, cluster->first + i);
+        return;
+    }
+    float key = (float)away;
+    FaceKey *sorted = &viewer->cluster_keys[viewer->view.cluster_count];
+    memcpy(&sorted->distance, &key, sizeof key);
+    sorted->shape = viewer->view.cluster_count;
+    ViewCluster *out = &viewer->found[viewer->view.cluster_count++];
+    *out = (ViewCluster){
+        .nearest = (float)(1 / away), .cluster = index, .listed = VIEW_ALL << cluster->count & VIEW_ALL};
+    put_floats(to_view(look, off), out->centre);
+    put_floats(half, out->half);
 }
 
 static void take_object(const Look *look, int object) {
-    const int *first = look->viewer->object_face + object;
-    for (int f = first[0]; f < first[1]; f++) take_face(look, f);
+    const int *first = look->viewer->object_cluster + object;
+    for (int c = first[0]; c < first[1]; c++) take_cluster(look, c);
 }
 
 // Takes the objects of all cells that may be seen from anywhere in the eye's cell.
@@ -189,17 +354,14 @@ enum { AHEAD = 3, FAR_AHEAD = 6 };
 
 // Prefetches the next objects, which are scattered over memory.
 static inline void fetch_ahead(const Viewer *viewer, const int *objects, int left) {
-    const FaceShape *shapes = viewer->shapes;
-    if (left > FAR_AHEAD) {
-        const int *first = viewer->object_face + objects[FAR_AHEAD];
-        __builtin_prefetch(&shapes[first[0]]);
-        __builtin_prefetch(&shapes[first[0] + 1]);
-    }
+    const Cluster *clusters = viewer->clusters;
+    const int *cluster = viewer->object_cluster;
+    if (left > FAR_AHEAD) __builtin_prefetch(&clusters[cluster[objects[FAR_AHEAD]]]);
     if (left > AHEAD) {
-        const int *first = viewer->object_face + objects[AHEAD];
+        const int *first = cluster + objects[AHEAD];
         if (first[0] == first[1]) return;
-        const char *corners = (const char *)&viewer->corners[shapes[first[0]].first];
-        for (int k = 0; k < 2; k++) __builtin_prefetch(corners + 64 * k);
+        const char *shape = (const char *)&viewer->shapes[clusters[first[0]].first];
+        for (int k = 0; k < 2; k++) __builtin_prefetch(shape + 64 * k);
     }
 }
 
@@ -214,71 +376,114 @@ static void take_query(const Look *look, int cell, Culling culling) {
     }
 }
 
-// Sorts the keys by distance, to half a percent, keeping the order of equal keys: a radix sort by the two upper bytes, the lower
-// byte first.
-static void sort_keys(Viewer *viewer) {
+// Sorts keys by distance, to half a percent, keeping the order of equal keys: a radix sort by the two upper bytes, the lower byte first.
+static void sort_keys(FaceKey *keys, FaceKey *spare, int count) {
     enum { BYTES = 2, VALUES = 256, SKIPPED = 16 };
-    int count[BYTES][VALUES] = {{0}};
-    for (int i = 0; i < viewer->key_count; i++)
-        for (int k = 0; k < BYTES; k++) count[k][viewer->keys[i].distance >> (8 * k + SKIPPED) & 255]++;
+    int place[BYTES][VALUES] = {{0}};
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < BYTES; k++) place[k][keys[i].distance >> (8 * k + SKIPPED) & 255]++;
     for (int k = 0; k < BYTES; k++) {
         for (int v = 0, at = 0; v < VALUES; v++) {
-            int here = count[k][v];
-            count[k][v] = at;
+            int here = place[k][v];
+            place[k][v] = at;
             at += here;
         }
-        for (int i = 0; i < viewer->key_count; i++) {
-            int value = viewer->keys[i].distance >> (8 * k + SKIPPED) & 255;
-            viewer->spare[count[k][value]++] = viewer->keys[i];
-        }
-        FaceKey *swap = viewer->keys;
-        viewer->keys = viewer->spare;
-        viewer->spare = swap;
+        const FaceKey *from = k == 0 ? keys : spare;
+        FaceKey *to = k == 0 ? spare : keys;
+        for (int i = 0; i < count; i++) to[place[k][from[i].distance >> (8 * k + SKIPPED) & 255]++] = from[i];
     }
 }
 
+// Adds the faces whose keys are there to the view.
 static void list_view(const Look *look) {
     Viewer *viewer = look->viewer;
     View *view = &viewer->view;
-    sort_keys(viewer);
-    view->face_count = viewer->key_count;
     for (int i = 0; i < viewer->key_count; i++) {
         const FaceKey *key = &viewer->keys[i];
-        const FaceShape *shape = &viewer->shapes[key->face];
+        const FaceShape *shape = &viewer->shapes[key->shape];
         Vec3 off = vec3_sub(shape->centre, look->eye);
         Four centre = look->turn[0] * off.x + look->turn[1] * off.y + look->turn[2] * off.z;
-        view->faces[i] = (ViewFace){.face = key->face,
-                                    .first_vertex = key->first,
-                                    .vertex_count = shape->count,
-                                    .radius = shape->radius,
-                                    .centre = {(float)centre[0], (float)centre[1], (float)centre[2]},
-                                    .n = to_view(look, shape->n),
-                                    .d = vec3_dot(shape->n, off)};
+        view->faces[view->face_count++] =
+            (ViewFace){.face = viewer->face_of[key->shape],
+                       .first_vertex = key->first,
+                       .vertex_count = shape->count,
+                       .radius = shape->radius,
+                       .centre = {(float)centre[0], (float)centre[1], (float)centre[2]},
+                       .n = to_view(look, shape->n),
+                       .d = vec3_dot(shape->n, off)};
+    }
+    viewer->key_count = 0;
+}
+
+void view_corners(const View *view, int index, float out[CLUSTER_CORNERS][3][CLUSTER_FACES]) {
+    _Static_assert((int)CLUSTER_FACES == (int)LANES, "a lane for each face");
+    const ViewCluster *cluster = &view->clusters[index];
+    const ClusterCorners *corners = &view->viewer->cluster_corners[cluster->cluster];
+    for (int c = 0; c < 3; c++) {
+        Vec3 axis = c == 0 ? view->x : c == 1 ? view->y : view->z;
+        Lane x = lane_of((float)axis.x), y = lane_of((float)axis.y), z = lane_of((float)axis.z);
+        for (int k = 0; k < CLUSTER_CORNERS; k++) {
+            const Lane *at = corners->at[k];
+            Lane turned = lane_multiply_add(
+                x, at[0],
+                lane_multiply_add(y, at[1], lane_multiply_add(z, at[2], lane_of(cluster->centre[c]))));
+            memcpy(out[k][c], &turned, sizeof turned);
+        }
     }
 }
 
-const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling) {
+unsigned view_list(const View *view, int index, unsigned faces) {
+    Viewer *viewer = view->viewer;
+    ViewCluster *listed = &viewer->view.clusters[index];
+    const Cluster *cluster = &viewer->clusters[listed->cluster];
+    faces &= ~listed->listed & ((1u << cluster->count) - 1);
+    listed->listed |= faces;
+    unsigned seen = 0;
+    for (; faces; faces &= faces - 1) {
+        int i = __builtin_ctz(faces);
+        seen |= (unsigned)take_face(&viewer->look, cluster->first + i) << i;
+    }
+    list_view(&viewer->look);
+    return seen;
+}
+
+static const View *look_from(Viewer *viewer, const ViewPoint *from, Culling culling, bool leave) {
     CORE_ASSERT(culling < CULLINGS);
     CORE_ASSERT(from->cell < viewer->mesh->graph->cell_count);
-    Look look = {.viewer = viewer, .eye = from->eye, .z = from->normal};
-    view_axes(look.z, &look.x, &look.y);
-    look.turn[0] = (Four){look.x.x, look.y.x, look.z.x, 0};
-    look.turn[1] = (Four){look.x.y, look.y.y, look.z.y, 0};
-    look.turn[2] = (Four){look.x.z, look.y.z, look.z.z, 0};
+    Look *look = &viewer->look;
+    look->eye = from->eye;
+    look->z = from->normal;
+    look->leave = leave;
+    view_axes(look->z, &look->x, &look->y);
+    look->turn[0] = (Four){look->x.x, look->y.x, look->z.x, 0};
+    look->turn[1] = (Four){look->x.y, look->y.y, look->z.y, 0};
+    look->turn[2] = (Four){look->x.z, look->y.z, look->z.z, 0};
     View *view = &viewer->view;
-    view->eye = look.eye;
-    view->x = look.x;
-    view->y = look.y;
-    view->z = look.z;
+    view->eye = look->eye;
+    view->x = look->x;
+    view->y = look->y;
+    view->z = look->z;
     view->by_depth = culling != CULL_NONE;
-    view->vertex_count = viewer->key_count = 0;
+    view->face_count = view->vertex_count = view->cluster_count = viewer->key_count = 0;
     if (from->cell < 0 || culling == CULL_NONE || culling == CULL_DEPTH) {
-        for (int f = 0; f < viewer->mesh->face_count; f++) take_face(&look, f);
+        for (int c = 0; c < viewer->cluster_count; c++) take_cluster(look, c);
     } else if (culling == CULL_CELLS) {
-        take_cells(&look, from->cell);
+        take_cells(look, from->cell);
     } else {
-        take_query(&look, from->cell, culling);
+        take_query(look, from->cell, culling);
     }
-    list_view(&look);
+    sort_keys(viewer->keys, viewer->spare, viewer->key_count);
+    list_view(look);
+    sort_keys(viewer->cluster_keys, viewer->spare_cluster_keys, view->cluster_count);
+    for (int i = 0; i < view->cluster_count; i++)
+        view->clusters[i] = viewer->found[viewer->cluster_keys[i].shape];
     return view;
+}
+
+const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling) {
+    return look_from(viewer, from, culling, false);
+}
+
+const View *viewer_look_at_clusters(Viewer *viewer, const ViewPoint *from, Culling culling) {
+    return look_from(viewer, from, culling, true);
 }

@@ -6,6 +6,7 @@
 // between the faces; here one line decides all these samples.
 #include "radiosity/mesh/lines.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "engine/core/sets.h"
@@ -149,6 +150,81 @@ static void add_edges(const Finder *f, const Line *lines, const int *number, Fac
     out->first_edge[mesh->face_count] = out->edge_count;
 }
 
+// ---- borders of elements
+
+// A vertex this near to the line of the side before it, in squares, begins no other line.
+static const double STRAIGHT = 1e-9;
+
+typedef struct GridPoint {
+    double x, y;
+} GridPoint;
+
+static GridPoint on_grid(const Face *face, Vec3 point) {
+    Vec3 p = vec3_sub(point, face->origin);
+    return (GridPoint){vec3_dot(face->gx, p), vec3_dot(face->gy, p)};
+}
+
+// The side from p to q of an element that lies to the left of it, or to the right where the grid is turned over. The coefficients have unit
+// length, so that `at` is in squares.
+static ElementBorder border_along(GridPoint p, GridPoint q, double left) {
+    double x = q.x - p.x, y = q.y - p.y, scale = left / fmax(sqrt(x * x + y * y), 1e-300);
+    return (ElementBorder){-y * scale, x * scale, (x * p.y - y * p.x) * scale};
+}
+
+static void add_borders(const Mesh *mesh, int element, FaceLines *out) {
+    const Element *e = &mesh->elements[element];
+    const Face *face = &mesh->faces[e->face];
+    const int *corner = mesh->corners + e->first_corner;
+    double left = vec3_dot(face->plane.n, vec3_cross(face->gx, face->gy)) > 0 ? 1 : -1;
+    int first = out->first_border[element], count = 0;
+    for (int i = 0; i < e->corner_count; i++) {
+        GridPoint p = on_grid(face, mesh->vertices[corner[i]]),
+                  q = on_grid(face, mesh->vertices[corner[i + 1 < e->corner_count ? i + 1 : 0]]);
+        const ElementBorder *last = &out->borders[first + count - 1];
+        if (count > 0 && fabs(last->x * q.x + last->y * q.y - last->at) < STRAIGHT) continue;
+        out->borders[first + count++] = border_along(p, q, left);
+    }
+    out->first_border[element + 1] = first + count;
+}
+
+static void find_borders(const Mesh *mesh, FaceLines *out, Arena *arena, Arena *scratch) {
+    bool *shares = ARENA_ARRAY(scratch, bool, mesh->element_count + 1);
+    int count = 0;
+    for (int i = 0; i < mesh->square_count; i++) {
+        int code = mesh->squares[i];
+        const int *several = mesh->shared + ~(code + 1);
+        for (int k = 1; code < -1 && k <= several[0]; k++) shares[several[k]] = true;
+    }
+    for (int e = 0; e < mesh->element_count; e++) count += shares[e] ? mesh->elements[e].corner_count : 0;
+    out->borders = ARENA_ARRAY(arena, ElementBorder, count + 1);
+    out->first_border = ARENA_ARRAY(arena, int, mesh->element_count + 1);
+    for (int e = 0; e < mesh->element_count; e++) {
+        out->first_border[e + 1] = out->first_border[e];
+        if (shares[e]) add_borders(mesh, e, out);
+    }
+}
+
+static bool is_inside(const FaceLines *lines, int element, GridPoint p) {
+    const ElementBorder *border = lines->borders + lines->first_border[element],
+                        *end = lines->borders + lines->first_border[element + 1];
+    for (; border < end; border++)
+        if (border->x * p.x + border->y * p.y < border->at) return false;
+    return true;
+}
+
+int lines_element_at(const FaceLines *lines, const Mesh *mesh, int index, Vec3 point) {
+    const Face *face = &mesh->faces[index];
+    GridPoint p = on_grid(face, point);
+    if (p.x >= 0 && p.x < face->nx && p.y >= 0 && p.y < face->ny) {
+        int code = mesh->squares[face->first_square + (int)p.y * face->nx + (int)p.x];
+        if (code >= 0) return code;
+        const int *several = mesh->shared + ~(code + 1);
+        for (int k = 1; code < -1 && k <= several[0]; k++)
+            if (is_inside(lines, several[k], p)) return several[k];
+    }
+    return mesh_element_at(mesh, index, point);
+}
+
 FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena) {
     Arena scratch = {0};
     int count = mesh->outline_count;
@@ -174,6 +250,7 @@ FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena) {
     for (int i = 0; i < count; i++)
         if (set_find(f.parent, i) == i) number[i] = out.line_count++;
     add_edges(&f, line, number, &out, &scratch);
+    find_borders(mesh, &out, arena, &scratch);
     arena_free(&scratch);
     return out;
 }

@@ -22,8 +22,20 @@ typedef struct FaceLines {
     int *first_edge;
     int line_count, edge_count, face_count;
     int most_edges;  // the largest number of edges of a face
+    // [element_count + 1] of elements that share a square of their face: element e has borders[first_border[e]] .. borders[first_border[e +
+    // 1] - 1]. Others have none.
+    int *first_border;
+    struct ElementBorder *borders;
 } FaceLines;
 
+// A side of an element, in squares of the face's grid: a point (column, row) is inside where x * column + y * row >= at.
+typedef struct ElementBorder {
+    double x, y, at;
+} ElementBorder;
+
 FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena);
+
+// mesh_element_at, with borders that are known: another answer is possible within a rounding of a border alone.
+int lines_element_at(const FaceLines *lines, const Mesh *mesh, int face, Vec3 point);
 
 #endif

@@ -72,6 +72,11 @@ static void count_drawn(FormFactor *self, const View *view) {
         self->work.elements_drawn += self->elements[view->faces[i].face];
 }
 
+const View *form_factor_look(const FormFactor *self, Viewer *viewer, const ViewPoint *from, Culling culling) {
+    return self->method->clusters ? viewer_look_at_clusters(viewer, from, culling)
+                                  : viewer_look(viewer, from, culling);
+}
+
 const FormFactorSamples *form_factor_samples(FormFactor *self) {
     CORE_ASSERT(self->method->projective);
     return self->method->samples(self->self);
@@ -79,8 +84,8 @@ const FormFactorSamples *form_factor_samples(FormFactor *self) {
 
 const int32_t *form_factor_items(FormFactor *self, const View *view) {
     CORE_ASSERT(self->method->projective);
-    count_drawn(self, view);
     self->method->items(self->self, view, self->item, &self->work);
+    count_drawn(self, view);
     return self->item;
 }
 
@@ -89,8 +94,8 @@ const Row *form_factor_row(FormFactor *self, const View *view) {
         const int32_t *item = form_factor_items(self, view);
         row_of_items(&self->sum, view, self->method->samples(self->self), item);
     } else {
-        count_drawn(self, view);
         self->method->row(self->self, view, &self->sum, &self->work);
+        count_drawn(self, view);
     }
     if (self->method->mended) near_faces_mend(&self->sum, view);
     return row_finish(&self->sum);

@@ -28,6 +28,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE = {
     .name = "hemisphere",
     .summary = "pixels of a hemisphere's base, edges and depth exact",
     .projective = true,
+    .clusters = true,
     .mended = true,
     .start = hemisphere_start,
     .samples = hemisphere_samples,

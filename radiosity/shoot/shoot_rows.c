@@ -383,16 +383,16 @@ static void make_row(void *context, int index, int thread) {
     Slot *slot = &rows->slots[rows->making[index]];
     const Patch *patch = &rows->mesh->patches[slot->patch];
     ViewPoint from = {patch->centre, rows->mesh->faces[patch->face].plane.n, patch->cell};
-    double (*now)(void) = rows->options->clock, start = now ? now() : 0;
-    const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
-    if (now) maker->seconds_visibility += now() - start;
-    maker->faces += view->face_count;
     bool lamp = rows->fine[slot->patch] || mesh_is_lamp(rows->mesh, patch->face);
     panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
                &maker->panes);
     FormFactor *form_factor = lamp                  ? maker->of_lamps
                               : patch->area < SMALL ? maker->of_small
                                                     : maker->form_factor;
+    double (*now)(void) = rows->options->clock, start = now ? now() : 0;
+    const View *view = form_factor_look(form_factor, maker->viewer, &from, rows->options->culling);
+    if (now) maker->seconds_visibility += now() - start;
+    maker->faces += view->face_count;
     bool spread = mesh_spread(rows->mesh, patch->face) != NULL;
     const Row *row = spread ? spread_row(maker->spreads, maker->viewer, rows->options->culling, slot->patch)
                             : form_factor_row(form_factor, view);

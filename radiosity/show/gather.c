@@ -550,8 +550,10 @@ static void add_samples(Gatherer *self, const View *view, bool means, Near *near
 }
 
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
-    const View *view = viewer_look(self->viewer, from, self->options.culling);
-    bool one = self->samples == self->rows;
+    // Lamps and the sun ask for all faces, samples for those that they may see.
+    bool one = self->samples == self->rows, few = (one || !self->samples) && self->options.reflected;
+    const View *view = few ? form_factor_look(self->rows, self->viewer, from, self->options.culling)
+                           : viewer_look(self->viewer, from, self->options.culling);
     Near near = {0};
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
@@ -568,7 +570,7 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
 
 GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
     CORE_ASSERT(self->options.reflected && !self->near && !self->samples);
-    const View *view = viewer_look(self->viewer, from, self->options.culling);
+    const View *view = form_factor_look(self->rows, self->viewer, from, self->options.culling);
     Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
     panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, &self->panes);
     const Row *row = form_factor_row(self->rows, view);

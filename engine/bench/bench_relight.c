@@ -1,5 +1,5 @@
 // bench_relight.c - how soon light follows the lamps, and how right it is then: sums of the light of each lamp, all light shot anew along
-// rows that are kept, and all from nothing, against lamps of which each is shot to a millionth.
+// rows that are kept, and all from nothing, against lamps of which each is shot to a ten-millionth.
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,10 +18,11 @@ static const char HEAD[] =
     "building,change,method,ms_90,ms_whole,speedup,error_p99,error_mean,lamps,elements,mb\n";
 // Random states; and those of them that are also shot, which takes minutes.
 enum { STATES = 200, SHOT = 1, APART = STATES / SHOT + 1 };
-// The truth: unshot light of each lamp, as a share of its own. A tenth of this residual (each_lamp.h).
-static const double TRUTH = 1e-5;
-// Light below this share of the brightest state of an element counts as that much.
-static const double DARK = 1e-3;
+// The truth: of each lamp's light a tenth of this is not shot (each_lamp.h).
+static const double TRUTH = 1e-6;
+// Light below this share of the brightest state of a place counts as that much; and below this share of the mean of all places, where no
+// state has any light, but for leaks.
+static const double DARK = 1e-3, NOTHING = 1e-6;
 
 typedef struct Relit {
     const char *file;
@@ -84,8 +85,10 @@ static Errors errors_new(int elements, int states, Arena *arena) {
 }
 
 static void add_errors(Errors *e, double (*light)[3], double (*truth)[3], double (*brightest)[3], int count) {
+    double mean = 0;
+    for (int i = 0; i < count; i++) mean += rgb_sum(brightest[i]) / count;
     for (int i = 0; i < count; i++) {
-        double scale = fmax(rgb_sum(truth[i]), DARK * rgb_sum(brightest[i]));
+        double scale = fmax(fmax(rgb_sum(truth[i]), DARK * rgb_sum(brightest[i])), NOTHING * mean);
         if (!(scale > 0)) continue;
         double off = fabs(rgb_sum(light[i]) - rgb_sum(truth[i])) / scale;
         e->off[e->count++] = (float)off;
@@ -203,7 +206,7 @@ const Bench BENCH_RELIGHT = {
     .name = "relight",
     .about = "200 states of the lamps of each FILE: how soon their light is there, and how far it is off the "
              "light of "
-             "lamps that are shot to a millionth, at elements and at what is shown; relative to "
+             "lamps that are shot to a ten-millionth, at elements and at what is shown; relative to "
              "the light "
              "there, or to a thousandth of that of all lamps where that is more",
     BENCH_OPTIONS(ROWS),

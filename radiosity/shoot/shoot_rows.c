@@ -392,10 +392,11 @@ static void make_row(void *context, int index, int thread) {
     double (*now)(void) = rows->options->clock, start = now ? now() : 0;
     const View *view = form_factor_look(form_factor, maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;
-    maker->faces += view->face_count;
     bool spread = mesh_spread(rows->mesh, patch->face) != NULL;
     const Row *row = spread ? spread_row(maker->spreads, maker->viewer, rows->options->culling, slot->patch)
                             : form_factor_row(form_factor, view);
+    // A row may list more faces.
+    maker->faces += view->face_count;
     if (maker->near && !spread) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs.count, row->count);

@@ -9,10 +9,11 @@
 #include "radiosity/shoot/sky.h"
 
 // The share of all lamps' light below which a lamp's light is left out in a block. Where all others are off and what is left is a
-// thousandth of the brightest state, below which nobody looks, a lamp that is left out is a hundredth of it.
-static const double LEAST = 1e-5;
-// Light that is not shot is this share of the residual.
-static const double RESIDUAL = 0.1;
+// thousandth of the brightest state, below which nobody looks, a lamp that is left out is less than half a hundredth of it.
+static const double LEAST = 4e-6;
+// Light of a lamp that is not shot, as a share of the residual of all light and of the lamp's: rooms that the lamp hardly reaches have
+// only what is shot last, and are looked at when all other lamps are off.
+static const double OF_RESIDUAL = 1e-3, ENOUGH = 1e-6, AT_MOST = 0.1;
 
 DirectSources *each_lamp_sources(const Mesh *mesh, const Lamps *lamps, int threads, Arena *arena) {
     int *source = ARENA_ARRAY(arena, int, mesh->face_count + 1);
@@ -114,7 +115,8 @@ bool each_lamp_find(const EachLamp *each, const Progress *progress, Arena *arena
                 .out = ARENA_ARRAY(arena, LampLight, count + 1),
                 .progress = progress,
                 .options = *each->options};
-    f.options.residual *= RESIDUAL;
+    double residual = each->options->residual;
+    f.options.residual = fmax(OF_RESIDUAL * residual, fmin(AT_MOST * residual, ENOUGH));
     f.options.show = NULL;
     bool good = find_sources(&f, count, arena);
     if (!good) return false;

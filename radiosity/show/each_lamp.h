@@ -22,9 +22,9 @@ typedef struct EachLamp {
 DirectSources *each_lamp_sources(const Mesh *mesh, const Lamps *lamps, int threads, Arena *arena);
 
 // Finds the light of each lamp, and by day that of the day with all lamps off, into solution->each; `solution` becomes their sum. Light
-// that a lamp gives to a block of places is left out where it is less than a hundred-thousandth of all lamps' there. Unshot light is at
-// most a tenth of options->residual of each lamp's. The same on any number of threads. False where progress asked to stop: then nothing
-// changed.
+// that a lamp gives to a block of places is left out where it is less than four millionths of all lamps' there. Of each lamp's light a
+// thousandth of options->residual is not shot, but no less than a millionth where that is below a tenth of it. The same on any number of
+// threads. False where progress asked to stop: then nothing changed.
 bool each_lamp_find(const EachLamp *each, const Progress *progress, Arena *arena, RadSolution *solution);
 
 // The sum for another state of the lamps, `lit` [solution->lamp_count], into `solution`, whose arrays are overwritten. The solution must

@@ -40,7 +40,7 @@ Test(each_lamp, lamps_are_found) {
     lamps3_free(l);
 }
 
-// Proves that no lamp's light is lost or made: what it emits is absorbed, escapes, or is less than a tenth of the residual; and that
+// Proves that no lamp's light is lost or made: what it emits is absorbed, escapes, or is less than a millionth that is left; and that
 // the powers of all lamps are those of all light together, as far as both are shot.
 Test(each_lamp, power_is_kept) {
     static const double RESIDUAL = 1e-4;
@@ -53,7 +53,7 @@ Test(each_lamp, power_is_kept) {
         double left = rgb_sum(e->emitted) - rgb_sum(e->absorbed) - rgb_sum(e->escaped);
         cr_expect_float_eq(rgb_sum(e->emitted), rgb_sum(l->scene.lamps.lamps[i].flux),
                            1e-6 * rgb_sum(e->emitted));
-        cr_expect(left > -1e-12 * rgb_sum(e->emitted) && left <= 0.1 * RESIDUAL * rgb_sum(e->emitted),
+        cr_expect(left > -1e-12 * rgb_sum(e->emitted) && left <= 1e-6 * rgb_sum(e->emitted),
                   "lamp %d: %g W of %g are left", i, left, rgb_sum(e->emitted));
     }
     cr_expect_float_eq(rgb_sum(s->emitted), rgb_sum(l->joint.emitted), 1e-9 * rgb_sum(s->emitted));

@@ -170,8 +170,8 @@ static bool shine(Bake *bake, Error *error) {
     return error_set(error, "nothing emits light, and no daylight comes in");
 }
 
-// Light of each lamp goes when light is shot on: it is found anew.
-static bool light_check_resumed(Bake *bake, Error *error) {
+// Where light is shot on, that of each lamp is out of date: it is dropped, and found anew where it is asked for.
+static bool take_resumed_lamps(Bake *bake, Error *error) {
     RadSolution *s = &bake->solution;
     if (!light_take_lamps(bake->earlier, &bake->scene, s, error)) return false;
     s->each = NULL;
@@ -183,7 +183,7 @@ static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
                light_check_day(bake->earlier, &bake->solution, &bake->scene.day, error) &&
-               light_check_resumed(bake, error);
+               take_resumed_lamps(bake, error);
     bool day = daylight_shines(&bake->scene.day);
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
                     : rad_start(&bake->mesh, arena, &bake->solution, error);

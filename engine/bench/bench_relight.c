@@ -7,9 +7,7 @@
 
 #include "engine/bench/bench.h"
 #include "engine/core/clock.h"
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "engine/draw/lit_states.h"
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/show/each_lamp.h"
@@ -74,14 +72,13 @@ static bool bake_each(Relit *r, Arena *arena, Error *error) {
 // ---- errors
 
 typedef struct Errors {
-    float *off;  // [capacity]
-    size_t count, capacity;
+    float *off;  // [count]
+    size_t count;
     double sum;
 } Errors;
 
 static Errors errors_new(int elements, int states, Arena *arena) {
-    size_t capacity = (size_t)elements * (size_t)states;
-    return (Errors){.off = arena_alloc(arena, capacity + 1, sizeof(float)), .capacity = capacity};
+    return (Errors){.off = arena_alloc(arena, (size_t)elements * (size_t)states + 1, sizeof(float))};
 }
 
 static void add_errors(Errors *e, double (*light)[3], double (*truth)[3], double (*brightest)[3], int count) {

@@ -9,7 +9,7 @@ typedef struct LitStates LitStates;
 
 // `light` has `states`, and is drawn as `mesh`; both must outlive the result, which lives in the arena. Only one thread at a time may ask.
 LitStates *lit_states_new(const LitMesh *mesh, const WalkLight *light, Arena *arena);
-// Prepares one lamp more, which takes a second in a large home; false: all are prepared.
+// Prepares one lamp more, a pass over all that is drawn; false: all are prepared.
 bool lit_states_prepare(LitStates *states);
 // The light in a state of the lamps, [count of all lamps]. Lamps that are not prepared are prepared.
 void lit_states_fill(LitStates *states, const Rgb *lit, LitLight *out);

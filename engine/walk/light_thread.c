@@ -18,8 +18,9 @@ static const double SHOW_EVERY = 0.3;
 // it a hundredth of that: where software OpenGL takes all cores, the light would never come.
 enum { NICE = 5 };
 
-// The last states are on a mesh of their own, the finest: of all lamps, and of those that were asked for since.
-enum { STATES = 2, LAST = STATES, ALL_STATES = 2 * STATES };
+// The last states are on a mesh of their own, the finest: of all lamps, and of those that were asked for since. Light that is baked anew
+// has states of its own, since the walk holds one of the others meanwhile.
+enum { STATES = 2, LAST = STATES, LAST_ANEW = 2 * STATES, ALL_STATES = 3 * STATES };
 
 struct LightThread {
     LightBaker baker;
@@ -36,6 +37,7 @@ struct LightThread {
     pthread_cond_t received;
     _Atomic(LitMesh *) mesh;
     LitLight state[ALL_STATES];
+    int last;         // LAST, or LAST_ANEW: the first of the states on the mesh that is shown now
     int fresh, held;  // the state that the walk is to fetch; the state it has; -1: none
     Rgb *wanted;      // the state of the lamps that is asked for and not made yet, [wanted_count], or NULL
     int wanted_count;
@@ -108,14 +110,15 @@ static void show_whole(void *context, const WalkLight *light) {
     LightThread *t = context;
     if (atomic_load(&t->stop)) return;
     LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena);
-    for (int i = LAST; i < ALL_STATES; i++) t->state[i] = lit_light_new(mesh, &t->arena);
-    lit_light_fill(mesh, light->solution, &t->state[LAST]);
-    hand_over(t, LAST, mesh);
-    atomic_store(&t->end, LIGHT_READY);
+    t->last = t->last == 0 ? LAST : LAST_ANEW;
+    for (int i = 0; i < STATES; i++) t->state[t->last + i] = lit_light_new(mesh, &t->arena);
+    lit_light_fill(mesh, light->solution, &t->state[t->last]);
+    hand_over(t, t->last, mesh);
     atomic_store(&t->lamps, LAMPS_SOUGHT);
+    atomic_store(&t->end, LIGHT_READY);
 }
 
-static int free_state(const LightThread *t) { return t->held == LAST ? LAST + 1 : LAST; }
+static int free_state(const LightThread *t) { return t->held == t->last ? t->last + 1 : t->last; }
 
 // Waits until the walk has fetched the state before, which tells the state that may change.
 static void show_again(LightThread *t, const RadSolution *solution) {
@@ -187,7 +190,7 @@ static void serve_lamps(LightThread *t) {
         if (!t->states && !tried) bake_anew(t);
         tried = true;
         if (!t->states) {
-            atomic_store(&t->lamps, LAMPS_UNKNOWN);
+            atomic_store(&t->lamps, LAMPS_NEVER);
             return;
         }
         switch_lamps(t);
@@ -208,7 +211,10 @@ static void *work(void *context) {
     if (good) learn_lamps(t, &light);
     atomic_store(&t->end, good || atomic_load(&t->end) == LIGHT_READY ? LIGHT_READY : LIGHT_FAILED);
     wake_walk(t);
-    if (good && (t->states || t->baker.anew)) serve_lamps(t);
+    if (good && (t->states || t->baker.anew))
+        serve_lamps(t);
+    else
+        atomic_store(&t->lamps, LAMPS_NEVER);
     return NULL;
 }
 
@@ -276,9 +282,7 @@ void light_thread_switch(LightThread *t, const Rgb *lit, int count) {
 int light_thread_lamps(const LightThread *t) { return atomic_load(&t->lamps); }
 double light_thread_lamps_done(const LightThread *t) { return atomic_load(&t->lamps_done) / 1000.0; }
 
-bool light_thread_switches(const LightThread *t) {
-    return atomic_load(&t->lamps) != LAMPS_UNKNOWN || t->baker.anew || light_thread_end(t) == LIGHT_UNDER_WAY;
-}
+bool light_thread_switches(const LightThread *t) { return atomic_load(&t->lamps) != LAMPS_NEVER; }
 
 void light_thread_stop(LightThread *t) {
     atomic_store(&t->stop, true);

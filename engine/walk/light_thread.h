@@ -38,7 +38,8 @@ void light_thread_switch(LightThread *thread, const Rgb *lit, int count);
 enum {
     LAMPS_KNOWN,    // the next state asked for comes at once
     LAMPS_SOUGHT,   // the light of each lamp is being found
-    LAMPS_UNKNOWN,  // it will be when a state is asked for, or is never found
+    LAMPS_UNKNOWN,  // it is looked for once light is there, or when a state is asked for
+    LAMPS_NEVER,    // it is not found
 };
 int light_thread_lamps(const LightThread *thread);
 // How much of it is found, 0 .. 1.

@@ -262,10 +262,18 @@ const HudKey SESSION_HINT[] = {
 const int SESSION_HINT_COUNT = sizeof SESSION_HINT / sizeof *SESSION_HINT;
 const int SESSION_KEY_COUNT = sizeof SESSION_KEYS / sizeof *SESSION_KEYS;
 
+// A key that was struck in the list of lamps does not walk, nor does its release, wherever the list went meanwhile.
+static bool chooses(Session *s, int key, int by) {
+    if (key != DISPLAY_KEY_UP && key != DISPLAY_KEY_DOWN) return false;
+    bool *chose = &s->chose[key == DISPLAY_KEY_DOWN], was = *chose;
+    *chose = by > 0 && s->lamps;
+    return by > 0 ? *chose : was;
+}
+
 static void hold(Session *s, int key, int by) {
+    if (chooses(s, key, by)) return;
     for (size_t i = 0; i < sizeof HELD / sizeof *HELD; i++) {
-        bool chooses = s->lamps && by > 0 && (key == DISPLAY_KEY_UP || key == DISPLAY_KEY_DOWN);
-        if (HELD[i].key != key || chooses) continue;
+        if (HELD[i].key != key) continue;
         s->held[HELD[i].held] += by;
         if (by > 0) session_stop_replay(s);
     }

@@ -173,7 +173,10 @@ const char *session_lamp_prompt(const Session *s, int lamp, Arena *arena) {
 // Is the lamp meant by a key: chosen, looked at, or where there is none of both, in the room?
 static bool is_meant(const Session *s, int lamp, int looked_at) {
     if (s->lamps) return lamp == s->lamp_chosen;
-    return looked_at >= 0 ? lamp == looked_at : strcmp(lamps_of(s)->lamps[lamp].room, session_room(s)) == 0;
+    if (looked_at >= 0) return lamp == looked_at;
+    const CellGraph *graph = s->shown->scene.graph;
+    int region = lamps_of(s)->lamps[lamp].region;
+    return region >= 0 && s->person.cell >= 0 && graph->cells[s->person.cell].region == region;
 }
 
 // A lamp that was coloured keeps its hue.
@@ -188,7 +191,8 @@ static void say_lamps(Session *s, int count, int last, float share) {
     const Lamps *lamps = lamps_of(s);
     char wait[96] = "", state[16];
     if (light_thread_lamps(s->shown->baking) != LAMPS_KNOWN)
-        snprintf(wait, sizeof wait, ", once the light of each lamp is known");
+        snprintf(wait, sizeof wait, ", once the light of each lamp is known (%.0f %%)",
+                 100 * light_thread_lamps_done(s->shown->baking));
     snprintf(state, sizeof state,
              share > 0 && share < 1 ? "%.0f %%"
              : share > 0            ? "on"

@@ -83,6 +83,7 @@ struct Session {
     FalseColour false_colour;
     bool lamps;       // the list of lamps is shown
     int lamp_chosen;  // in it
+    bool chose[2];    // the keys up and down were struck in it, and are held still
     bool frozen, wireframe, stab_tree, plan, statistics, help, full_screen, mouse, ended;
     VisResult visible;
     // Time.

@@ -191,6 +191,7 @@ void lamps_find(CellGraph *graph, Building *b, Arena *arena, Lamps *out) {
         double area = 0;
         name_lamp(b, graph, first, lamp, arena);
         lamp->object = first->object;
+        lamp->region = first->room;
         for (const Emitter *e = first; e < emitters + count && same_lamp(e, first); e++) {
             Polygon *polygon = &graph->polygons[e->polygon];
             measure_face(graph, &b->materials[polygon->material], e->polygon, lamp, &area);

@@ -8,7 +8,8 @@
 // the ceilings of a room.
 typedef struct Lamp {
     const char *name;  // of its object; of panels that of their material
-    const char *room;  // in which it shines; "": the building has no rooms
+    int region;        // in which it shines; -1: none, or the building has no regions
+    const char *room;  // the region's name, or its place; "": there is none
     Vec3 place;        // the middle of its faces
     int object;        // in the graph, of its first face
     double flux[3];    // when it is fully lit, W a channel

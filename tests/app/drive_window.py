@@ -523,6 +523,12 @@ def lamps(v):
     v.expect("90 %" in w.now["message"], f"a lamp is dimmed: {w.now['message']}")
     v.press_all(["bracketright", "j"])
     v.expect(w.now["light"]["lamps_off"] == 0 and " on" in w.now["message"], f"it is bright: {w.now['message']}")
+    # Keys that chose a lamp walk again.
+    before = w.now["eye"]
+    w.hold("Up")
+    w.wait(0.7)
+    w.let_go("Up")
+    v.expect(math.dist(before, w.now["eye"]) > 0.3, "the key up walks no more")
 
 
 PARTS = [ground_floor, out_of_one_window_in_at_another, courtyard, closed_door, upstairs, debug_views, panels, flight,

@@ -5,6 +5,7 @@
 
 #include "engine/scene/light.h"
 #include "engine/walk/session_state.h"
+#include "tests/support/lamps_fixture.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"
 #include "tests/walk/light_thread_fixture.h"
@@ -137,6 +138,115 @@ Test(light_thread, failure_is_told, .timeout = 120) {
     cr_expect_eq(light_thread_end(thread), LIGHT_FAILED);
     cr_expect_str_eq(light_thread_note(thread), "no light today");
     cr_expect_null(light_thread_light(thread));
+    cr_expect(light_thread_free(thread, 10));
+    lit_free(puppet.lit);
+    arena_free(&arena);
+}
+
+// ---- lamps
+
+// Files of light, without and with the light of each lamp.
+typedef struct Stored {
+    Lamps3 *lamps;
+    const char *plain, *each;
+} Stored;
+
+static bool read_plain(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
+    (void)hooks;
+    const Stored *s = context;
+    return light_load(s->plain, &s->lamps->scene, arena, out, error);
+}
+
+static bool read_each(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
+    const Stored *s = context;
+    cr_expect(hooks->each);
+    return light_load(s->each, &s->lamps->scene, arena, out, error);
+}
+
+static Stored store(Lamps3 *l) {
+    Stored s = {l, arena_format(&l->arena, "%s/plain.rad", support_folder(&l->arena)),
+                arena_format(&l->arena, "%s/each.rad", support_folder(&l->arena))};
+    Error error;
+    RadSolution plain = l->solution;
+    plain.each = NULL;
+    plain.each_count = 0;
+    cr_assert(rad_save(s.plain, &l->mesh, l->doors, &plain, &error), "%s", error.text);
+    cr_assert(rad_save(s.each, &l->mesh, l->doors, &l->solution, &error), "%s", error.text);
+    return s;
+}
+
+static const LitLight *wait_for_light(LightThread *thread) {
+    const LitLight *light;
+    while (!(light = light_thread_light(thread))) light_thread_check_nap();
+    return light;
+}
+
+// The sum over all vertices but those of leaves, which have the mean of elements.
+static double brightness(const LightThread *thread, const LitLight *light) {
+    const LitMesh *mesh = light_thread_mesh(thread);
+    double sum = 0;
+    for (int v = 0; v < lit_vertex_count(mesh); v++)
+        if (mesh->source[v] >= 0 && !mesh->vertex[v].emits) sum += (double)light->vertex[v][0];
+    return sum;
+}
+
+// Proves that a lamp of light that was stored without that of each is switched all the same: the light is made anew, and what the walk
+// holds meanwhile stays as it is; that the newest of several states asked for comes last; and that all lamps on are the light as it was.
+Test(light_thread, lamps_of_stored_light, .timeout = 120) {
+    Arena arena = {0};
+    Lamps3 *l = lamps3_load(false);
+    lamps3_bake(l, 1e-3, 2);
+    Stored stored = store(l);
+    LightBaker anew = {.bake = read_each, .context = &stored},
+               baker = {.bake = read_plain, .context = &stored, .anew = &anew, .stored = true};
+    LightThread *thread = light_thread_start(&baker, NULL, NULL, &arena);
+    cr_assert(thread);
+    const LitLight *first = wait_for_light(thread);
+    const float *vertices = first->vertex[0];
+    double level = first->level;
+    light_thread_received(thread);
+    cr_expect(light_thread_switches(thread));
+    Rgb lit[4];
+    for (int i = 0; i < 4; i++) lit[i] = (Rgb){0.5f, 0.5f, 0.5f};
+    light_thread_switch(thread, lit, 4);
+    // All light of the bake anew comes first, then the state.
+    const LitLight *all = wait_for_light(thread);
+    cr_expect(all != first && first->vertex[0] == vertices && first->level == level,
+              "what is held has changed");
+    cr_expect_float_eq(all->level, level, 1e-9 * level);
+    double bright = brightness(thread, all);
+    light_thread_received(thread);
+    const LitLight *half = wait_for_light(thread);
+    cr_expect(half != all);
+    // Differences of floats.
+    cr_expect_float_eq(brightness(thread, half), bright / 2, 1e-5 * bright);
+    cr_expect_eq(light_thread_lamps(thread), LAMPS_KNOWN);
+    light_thread_received(thread);
+    for (int k = 0; k < 3; k++) {
+        float share = k == 0 ? 0 : k == 1 ? 0.2f : 1;
+        for (int i = 0; i < 4; i++) lit[i] = (Rgb){share, share, share};
+        light_thread_switch(thread, lit, 4);
+    }
+    for (double now = 0; fabs(now - bright) > 1e-9 * bright;) {
+        now = brightness(thread, wait_for_light(thread));
+        light_thread_received(thread);
+    }
+    light_thread_stop(thread);
+    cr_expect(light_thread_free(thread, 10));
+    lamps3_free(l);
+    arena_free(&arena);
+}
+
+// Proves that nothing is promised where the light of each lamp is not stored, and nobody can bake anew.
+Test(light_thread, lamps_that_are_never_known, .timeout = 60) {
+    Arena arena = {0};
+    Puppet puppet = {.lit = lit_rooms(3), .states = 1};
+    LightThread *thread = begin(&puppet, &arena);
+    while (light_thread_lamps(thread) != LAMPS_NEVER) {
+        if (light_thread_light(thread)) light_thread_received(thread);
+        light_thread_check_nap();
+    }
+    cr_expect_not(light_thread_switches(thread));
     cr_expect(light_thread_free(thread, 10));
     lit_free(puppet.lit);
     arena_free(&arena);

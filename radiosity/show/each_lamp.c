@@ -38,11 +38,9 @@ static Mesh mesh_of_source(const Finder *f, int lamp, Arena *arena) {
     return lamps_mesh(f->each->lamps, f->each->mesh, lit, arena);
 }
 
-// The light of a source is shown by what rows told about all light together: so the sum stays a sum.
-static void take_settled(const RadSolution *all, RadSolution *s) {
+// Steps within patches are trusted as they were for all light together: so the sum stays a sum.
+static void take_noise(const RadSolution *all, RadSolution *s) {
     memcpy(s->noise, all->noise, (size_t)s->patch_count * sizeof *s->noise);
-    memcpy(s->close, all->close, (size_t)s->patch_count * sizeof *s->close);
-    memcpy(s->strong, all->strong, (size_t)s->patch_count * sizeof *s->strong);
 }
 
 // Part `index` of `count` of the whole.
@@ -68,7 +66,7 @@ static bool light_source(Finder *f, int lamp, const Progress *progress, Arena *a
     if (lamp < 0 && !rad_shine(mesh, each->forest, each->door_open, &f->options, &f->all->day, progress, out))
         return false;
     if (rad_shoot(mesh, each->forest, each->door_open, &f->options, progress, out).stopped) return false;
-    take_settled(f->all, out);
+    take_noise(f->all, out);
     return direct_show_source(each->sources, lamp < 0 ? each->lamps->count : lamp, mesh, progress, arena,
                               out);
 }

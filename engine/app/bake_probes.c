@@ -103,6 +103,7 @@ static int face_at(const Mesh *mesh, const Probe *probe) {
     for (int f = 0; f < mesh->face_count; f++) {
         const Face *face = &mesh->faces[f];
         double off = fabs(plane_distance(face->plane, probe->place));
+        if (face->hidden) continue;
         if (off > nearest || (best >= 0 && off == nearest)) continue;
         if (vec3_dot(face->plane.n, probe->normal) < SAME_WAY || !is_inside(mesh, face, probe->place))
             continue;

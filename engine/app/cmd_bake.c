@@ -19,6 +19,7 @@
 #include "radiosity/show/each_lamp.h"
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
+#include "radiosity/show/relight.h"
 #include "radiosity/show/shown.h"
 #include "visibility/hidden/hidden.h"
 
@@ -301,6 +302,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
         bake->rad.rows = shoot_rows_new(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad,
                                         &bake->solution.day, arena);
         bake->sources = each_lamp_sources(&bake->mesh, &bake->scene.lamps, bake->rad.threads, arena);
+        relight_prepare(bake->sources, &bake->mesh, arena);
     }
     shoot_light(bake);
     gather_nodes(bake, arena);

@@ -238,8 +238,8 @@ static int look_of(const Export *e, int object, int polygon) {
 
 // Does the polygon have anything to draw?
 static bool export_shows(const Export *e, int object, int polygon) {
-    return e->mesh->face_of[polygon] >= 0 ||
-           (vis_is_glass(e->graph, polygon) && vis_shown(&e->graph->objects[object], e->door_open));
+    return vis_shown(&e->graph->objects[object], e->door_open) &&
+           (e->mesh->face_of[polygon] >= 0 || vis_is_glass(e->graph, polygon));
 }
 
 // ---- the polygons of a node, by material

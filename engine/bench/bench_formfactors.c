@@ -326,7 +326,7 @@ static bool formfactors_of_file(const char *file, const BenchArguments *a, Text 
     MeshOptions mesh = mesh_default_options();
     mesh.close = 0;  // the scene of the figures that are compared
     bool good = app_load(file, &options, &arena, &b->scene, error) && scene_has_walls(&b->scene, error) &&
-                mesh_build(&b->scene.graph, NULL, NULL, &mesh, &arena, &b->mesh, error);
+                mesh_build(&b->scene.graph, NULL, &mesh, &arena, &b->mesh, error);
     if (good) {
         b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
         choose_shooters(b, &arena);

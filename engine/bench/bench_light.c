@@ -55,8 +55,7 @@ typedef struct LightScene {
     const char *file;
     const BenchArguments *arguments;
     LoadedScene scene;
-    float *doors;    // [opening_count] as drawn
-    Vec3 *vertices;  // the graph's, with the doors there
+    float *doors;  // [opening_count] as drawn
     LightPoints points;
 } LightScene;
 
@@ -234,7 +233,7 @@ static bool make_points(LightScene *s, LightTruth kind, Arena *arena, Error *err
     options.element = CHOSEN_ON;
     Mesh mesh;
     const BenchArguments *a = s->arguments;
-    bool good = mesh_build(&s->scene.graph, s->vertices, s->doors, &options, &scratch, &mesh, error) &&
+    bool good = mesh_build(&s->scene.graph, s->doors, &options, &scratch, &mesh, error) &&
                 light_points_choose(&mesh, a->points, a->seed, a->near, arena, &s->points, error);
     if (good) {
         light_points_trace(&mesh, a->sky, kind, a->error, a->seed, &s->points);
@@ -253,7 +252,6 @@ static bool light_scene_load(const char *file, const BenchArguments *a, Arena *a
     if (!app_load(file, &options, arena, &out->scene, error) || !scene_has_walls(&out->scene, error))
         return false;
     out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
-    out->vertices = vis_posed(&out->scene.graph, out->doors, arena);
     return true;
 }
 
@@ -289,14 +287,14 @@ static void gather_vertices(const LightScene *s, LightBake *bake, Arena *arena) 
 
 static bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error *error) {
     const CellGraph *graph = &s->scene.graph;
-    AdaptScene lit = {graph, s->vertices, &s->scene.forest, s->doors};
+    AdaptScene lit = {graph, &s->scene.forest, s->doors};
     Mesh *mesh = &bake->mesh;
     Daylight day = daylight_uniform(s->arguments->sky);
     double begin = clock_seconds(), worked = clock_work_seconds();
-    bake->options.proxies = proxies_find(graph, s->vertices, bake->options.proxy, arena);
+    bake->options.proxies = proxies_find(graph, bake->options.proxy, arena);
     bool good = bake->adapt.share > 0
                     ? adapt_mesh(&lit, &bake->options, &bake->adapt, &bake->rad, NULL, arena, mesh, error)
-                    : mesh_build(graph, s->vertices, s->doors, &bake->options, arena, mesh, error);
+                    : mesh_build(graph, s->doors, &bake->options, arena, mesh, error);
     if (!good || !rad_start_dark(mesh, arena, &bake->solution, error)) return false;
     bake->mesh_seconds = clock_seconds() - begin;
     rad_fit(mesh, &bake->rad);

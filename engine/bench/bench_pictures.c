@@ -641,8 +641,7 @@ static bool open_scene(const char *file, const BenchArguments *a, bool day, Aren
     MeshOptions mesh = mesh_default_options();
     mesh.element = TRUTH_ELEMENT;
     out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
-    return mesh_build(&out->scene.graph, vis_posed(&out->scene.graph, out->doors, arena), out->doors, &mesh,
-                      arena, &out->mesh, error);
+    return mesh_build(&out->scene.graph, out->doors, &mesh, arena, &out->mesh, error);
 }
 
 static bool pictures_at(const char *file, const BenchArguments *a, bool day, Text *csv, Error *error) {
@@ -761,7 +760,7 @@ static bool rooms_at(const char *file, const BenchArguments *a, bool day, Text *
         const CellGraph *graph = &s.scene.graph;
         LitMesh *lit = lit_mesh_new(&shown.fine->mesh, &arena);
         LitLight light = lit_light_new(lit, &arena);
-        lit_light_fill(lit, &shown.light, &light);
+        lit_light_fill(lit, &shown.light, NULL, &light);
         bool *used = ARENA_ARRAY(&arena, bool, graph->building->region_count + graph->cell_count + 1);
         for (int cell; (cell = largest_room(graph, used)) >= 0;) {
             int region = graph->cells[cell].region;

@@ -63,14 +63,14 @@ static bool bench_room_make(int elements, int per_patch, Arena *arena, BenchRoom
     for (int step = 10; step < 200; step++) {
         Arena scratch = {0};
         MeshOptions options = {.element = 0.005 * step, .per_patch = per_patch};
-        if (mesh_build(&out->graph, NULL, NULL, &options, &scratch, &out->mesh, error) &&
+        if (mesh_build(&out->graph, NULL, &options, &scratch, &out->mesh, error) &&
             abs(out->mesh.element_count - elements) < least) {
             least = abs(out->mesh.element_count - elements);
             best = options;
         }
         arena_free(&scratch);
     }
-    return mesh_build(&out->graph, NULL, NULL, &best, arena, &out->mesh, error);
+    return mesh_build(&out->graph, NULL, &best, arena, &out->mesh, error);
 }
 
 // ---- light
@@ -251,13 +251,13 @@ static bool mesh_of_size(const CellGraph *graph, Arena *arena, Mesh *out, Error 
     for (int step = 0; step < 7; step++) {
         Arena scratch = {0};
         MeshOptions options = {.element = 0.5 * (low + high), .per_patch = 2};
-        bool good = mesh_build(graph, NULL, NULL, &options, &scratch, out, error);
+        bool good = mesh_build(graph, NULL, &options, &scratch, out, error);
         arena_free(&scratch);
         if (!good) return false;
         *(out->element_count > OKI_ELEMENTS ? &low : &high) = options.element;
     }
     MeshOptions options = {.element = high, .per_patch = 2};
-    return mesh_build(graph, NULL, NULL, &options, arena, out, error);
+    return mesh_build(graph, NULL, &options, arena, out, error);
 }
 
 static void oki_rows(OkiBench *b, const char *file, Text *csv) {

@@ -88,7 +88,7 @@ static bool rooms_of_file(const char *file, const BenchArguments *a, Text *csv, 
     MeshOptions mesh_options = mesh_default_options();
     mesh_options.close = 0;  // the scene of the figures that are compared
     bool good = app_load(file, &options, &arena, &b.scene, error) && scene_has_walls(&b.scene, error) &&
-                mesh_build(&b.scene.graph, NULL, NULL, &mesh_options, &arena, &b.mesh, error);
+                mesh_build(&b.scene.graph, NULL, &mesh_options, &arena, &b.mesh, error);
     if (good) b.viewer = viewer_new(&b.mesh, &b.scene.forest, NULL, &arena);
     for (int m = 0; m < 2 && good; m++) {
         FormFactorOptions form_factor = form_factor_default_options();

@@ -96,24 +96,15 @@ static void cube_at(const AmbientCube *cube, Vec3 normal, double out[3]) {
     }
 }
 
-// How far the leaf is from where its light was baked, metres: the farthest corner from the faces that were lit. A face has more
-// corners than its polygon, all of them on the polygon's edges; its first corner is one of the polygon's.
-static double moved_by(const LitMesh *lit, const Object *o, const Leaf *leaf, double open) {
-    const Mesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->graph;
+// How far the leaf is from where it was lit, metres: the farthest corner.
+static double moved_by(const CellGraph *graph, const Object *o, const Leaf *leaf, double lit, double open) {
     double most = 0;
+    if (lit == open) return 0;
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        if (mesh->face_of[p] < 0) continue;
-        const Face *face = &mesh->faces[mesh->face_of[p]];
-        for (int i = 0; i < graph->polygons[p].vertex_count; i++) {
-            Vec3 at = leaf_point(leaf, open, graph->vertices[graph->polygons[p].first_vertex + i]);
-            double nearest = INFINITY;
-            for (int k = 0; k < face->vertex_count; k++)
-                nearest =
-                    fmin(nearest,
-                         vec3_length(vec3_sub(mesh->vertices[mesh->outline[face->first_vertex + k]], at)));
-            most = fmax(most, nearest);
-        }
+        const Polygon *polygon = &graph->polygons[p];
+        for (int v = polygon->first_vertex; v < polygon->first_vertex + polygon->vertex_count; v++)
+            most = fmax(most, vec3_length(vec3_sub(leaf_point(leaf, open, graph->vertices[v]),
+                                                   leaf_point(leaf, lit, graph->vertices[v]))));
     }
     return most;
 }
@@ -151,7 +142,7 @@ bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, doubl
     int first = lit->first_vertex[o->first_polygon],
         end = lit->first_vertex[o->first_polygon + o->polygon_count];
     memcpy(out, light->vertex + first, (size_t)(end - first) * sizeof *out);
-    double share = fmin(moved_by(lit, o, leaf, open) / MOVED, 1);
+    double share = fmin(moved_by(graph, o, leaf, (double)light->doors[leaf->opening], open) / MOVED, 1);
     AmbientCube cube[SIDES];
     Vec3 across;
     if (!(share > 1e-6) || !find_sides(lit, light, leaf, open, &across, cube)) return share > 1e-6;

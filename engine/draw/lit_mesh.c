@@ -220,7 +220,17 @@ LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
     return (LitLight){.vertex =
                           arena_alloc(arena, (size_t)lit_vertex_count(lit) + 1, sizeof *(LitLight){0}.vertex),
                       .on = ARENA_ARRAY(arena, bool, lit->lamp_count + 1),
-                      .luminous = ARENA_ARRAY(arena, float, lit->mesh->element_count + 1)};
+                      .luminous = ARENA_ARRAY(arena, float, lit->mesh->element_count + 1),
+                      .doors = ARENA_ARRAY(arena, float, lit->mesh->graph->building->opening_count + 1)};
+}
+
+// As the mesh has them; a door without faces that move stands anywhere.
+static void find_doors(const Mesh *mesh, float *doors) {
+    const Building *b = mesh->graph->building;
+    for (int f = 0; f < mesh->face_count; f++) {
+        int leaf = mesh->graph->objects[mesh->faces[f].object].leaf;
+        if (leaf >= 0) doors[b->leaves[leaf].opening] = (float)mesh->faces[f].open;
+    }
 }
 
 // By day it is far brighter outdoors: the level is that of the rooms, where there are any.
@@ -260,8 +270,12 @@ static LightRange range_of(const LitMesh *lit, const RadSolution *solution, Fals
     return light_range(all > 0 ? exp2((bin - BINS / 2) / (double)BINS_AN_OCTAVE) : 1);
 }
 
-void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
+void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float *doors, LitLight *out) {
     Arena scratch = {0};
+    if (doors)
+        memcpy(out->doors, doors, (size_t)lit->mesh->graph->building->opening_count * sizeof *doors);
+    else
+        find_doors(lit->mesh, out->doors);
     VertexLight light = reconstruct_light(lit->mesh, solution, &scratch);
     for (int v = 0; v < lit_vertex_count(lit); v++) {
         int at = lit->source[v];

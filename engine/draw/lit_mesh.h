@@ -35,6 +35,7 @@ typedef struct LitLight {
     double
         level;  // logarithmic mean of `luminous`, by day indoors, weighted by area and root of light; 0: dark
     LightRange ranges[FALSE_COLOURS];  // a scale for each quantity, of all elements but lamps
+    float *doors;                      // [opening_count] how far each door was open, where leaves were lit
 } LitLight;
 
 // The point that a graph's positions are relative to: floats stay exact enough far from the building's own origin.
@@ -56,6 +57,7 @@ static inline bool lit_outdoors(const Mesh *mesh, int element) {
 bool *lit_twins(const Mesh *mesh, Arena *arena);
 
 LitLight lit_light_new(const LitMesh *lit, Arena *arena);
-void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *out);
+// `doors` [opening_count]; NULL: as they stand in lit->mesh.
+void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float *doors, LitLight *out);
 
 #endif

@@ -23,16 +23,19 @@ typedef struct DrawnLamp {
 struct LitStates {
     const LitMesh *mesh;
     const WalkLight *light;
+    const Lamps *all;
     DrawnLamp *lamps;  // [count]
-    int count;
-    int *like;  // [mesh->lamp_count] a vertex near the polygon of a lamp; -1: not looked for yet
+    int count;         // 0: the light of each is not known
+    int *like;         // [mesh->lamp_count] a vertex near the polygon of a lamp; -1: not looked for yet
     RadSolution sum;
     Arena *arena;
 };
 
 LitStates *lit_states_new(const LitMesh *mesh, const WalkLight *light, Arena *arena) {
     LitStates *s = ARENA_ARRAY(arena, LitStates, 1);
-    *s = (LitStates){.mesh = mesh, .light = light, .count = light->states->lamps->count, .arena = arena};
+    *s = (LitStates){.mesh = mesh, .light = light, .arena = arena};
+    s->all = light->states ? light->states->lamps : light_follower_lamps(light);
+    s->count = light->states ? s->all->count : 0;
     s->lamps = ARENA_ARRAY(arena, DrawnLamp, s->count + 1);
     s->like = ARENA_ARRAY(arena, int, mesh->lamp_count + 1);
     for (int i = 0; i < mesh->lamp_count; i++) s->like[i] = -1;
@@ -141,16 +144,40 @@ static void show_dark_lamp(LitStates *s, int index, LitLight *out) {
         memcpy(out->vertex[v], out->vertex[s->like[index]], sizeof *out->vertex);
 }
 
-void lit_states_fill(LitStates *s, const Rgb *lit, LitLight *out) {
+bool lit_states_sums(const LitStates *s, const float *doors) {
+    const Building *b = s->mesh->mesh->graph->building;
+    for (int i = 0; i < b->opening_count; i++)
+        if (b->openings[i].kind == OPENING_DOOR && doors[i] != s->light->door_open[i]) return false;
+    return s->count > 0 || s->all->count == 0;
+}
+
+// A state of the lamps is a sum while the doors stand as they were baked.
+static void add_up(LitStates *s, const Rgb *lit) {
     const RadSolution *base = s->light->solution;
     memcpy(s->sum.node, base->node, (size_t)base->node_count * sizeof *base->node);
     memcpy(s->sum.radiosity, base->radiosity, (size_t)base->element_count * sizeof *base->radiosity);
     add_differences(s, lit, 1);
     add_differences(s, lit, -1);
-    lit_light_fill(s->mesh, &s->sum, out);
-    for (int i = 0; i < s->mesh->lamp_count; i++) {
-        Rgb share = lit[s->light->states->lamps->of_polygon[s->mesh->lamp[i]]];
+}
+
+bool lit_states_fill(LitStates *s, const Rgb *lit, const float *doors, const Progress *progress,
+                     LitLight *out) {
+    Arena scratch = {0};
+    RadSolution followed;
+    const RadSolution *found = &s->sum;
+    bool good = true;
+    if (!lit_states_sums(s, doors)) {
+        good = s->light->follower && light_follow(s->light, doors, lit, progress, &scratch, &followed);
+        found = &followed;
+    } else {
+        add_up(s, lit);
+    }
+    if (good) lit_light_fill(s->mesh, found, doors, out);
+    for (int i = 0; i < s->mesh->lamp_count && good; i++) {
+        Rgb share = lit[s->all->of_polygon[s->mesh->lamp[i]]];
         out->on[i] = share.r + share.g + share.b > 0;
         if (!out->on[i]) show_dark_lamp(s, i, out);
     }
+    arena_free(&scratch);
+    return good;
 }

@@ -7,11 +7,17 @@
 
 typedef struct LitStates LitStates;
 
-// `light` has `states`, and is drawn as `mesh`; both must outlive the result, which lives in the arena. Only one thread at a time may ask.
+// `light` has `states` or a `follower`, and is drawn as `mesh`; both must outlive the result, which lives in the arena. Only one thread at
+// a time may ask.
 LitStates *lit_states_new(const LitMesh *mesh, const WalkLight *light, Arena *arena);
 // Prepares one lamp more, a pass over all that is drawn; false: all are prepared.
 bool lit_states_prepare(LitStates *states);
-// The light in a state of the lamps, [count of all lamps]. Lamps that are not prepared are prepared.
-void lit_states_fill(LitStates *states, const Rgb *lit, LitLight *out);
+// Is light with the doors, [opening_count], in such a state a sum?
+bool lit_states_sums(const LitStates *states, const float *doors);
+// The light with the lamps, [count of all lamps], and the doors, [opening_count], in another state. As long as the doors stand as they were
+// baked, it is a sum, for which lamps that are not prepared are prepared; else it is found anew. False where progress asked to stop, or
+// nobody knows this light.
+bool lit_states_fill(LitStates *states, const Rgb *lit, const float *doors, const Progress *progress,
+                     LitLight *out);
 
 #endif

@@ -122,7 +122,7 @@ bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, 
     LitMesh *mesh = lit_mesh_new(light->mesh, arena);
     LitLight *state = ARENA_ARRAY(arena, LitLight, 1);
     *state = lit_light_new(mesh, arena);
-    lit_light_fill(mesh, light->solution, state);
+    lit_light_fill(mesh, light->solution, light->door_open, state);
     walk_renderer_expect(w, mesh, arena);
     walk_renderer_take(w, state, SIZE_MAX);
     return gl_check("uploading the light of a building", error);

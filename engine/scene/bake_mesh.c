@@ -54,7 +54,7 @@ static bool find_mesh(const BakeOptions *bake, const AdaptScene *lit, MeshOption
         adapt.day = bake->day;
         return adapt_mesh(lit, options, &adapt, &bake->rad, progress, arena, out, error);
     }
-    return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
+    return mesh_build(lit->graph, lit->door_open, options, arena, out, error);
 }
 
 // Before stand-ins and meshes are made, which takes long in furnished homes; many have no lamps.
@@ -76,8 +76,8 @@ bool bake_mesh(const BakeOptions *bake, const LoadedScene *scene, const char *re
     if (!check_size(scene->building.source, options.element, graph, error)) return false;
     Arena scratch = {0};
     *doors = bake_doors(&scene->building, bake->doors, arena);
-    AdaptScene lit = {graph, vis_posed(graph, *doors, &scratch), &scene->forest, *doors};
-    options.proxies = proxies_find(graph, lit.vertices, options.proxy, arena);
+    AdaptScene lit = {graph, &scene->forest, *doors};
+    options.proxies = proxies_find(graph, options.proxy, arena);
     bool good = find_mesh(bake, &lit, &options, resumed, progress, arena, out, error);
     arena_free(&scratch);
     return good;

@@ -10,6 +10,7 @@
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
 #include "radiosity/show/each_lamp.h"
+#include "radiosity/show/relight.h"
 #include "radiosity/show/shown.h"
 
 const char *light_place(const Building *building, Arena *arena) {
@@ -21,7 +22,7 @@ static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, co
                            Arena *arena) {
     RadSolution *shown = ARENA_ARRAY(arena, RadSolution, 1);
     *shown = fine_light(fine, solution, arena);
-    return (WalkLight){&fine->mesh, shown, doors, fine, NULL};
+    return (WalkLight){&fine->mesh, shown, doors, fine, NULL, NULL};
 }
 
 // The same on the mesh that shows the light.
@@ -39,19 +40,52 @@ static bool show_finer(const Mesh *mesh, const RadSolution *solution, const floa
     return true;
 }
 
+// Light that was found on one mesh and is shown on another, both in a state of the lamps, as it is drawn.
+static RadSolution draw_fine(const WalkLight *light, const Lamps *lamps, const Mesh *found, const Mesh *shown,
+                             const Rgb *lit, const RadSolution *solution, Arena *arena) {
+    RadSolution out = *solution;
+    if (shown != found) CORE_ASSERT(shown_fill(found, solution, shown, arena, &out));
+    out.direct = out.unshot = out.rest = NULL;
+    FineMesh fine = *light->fine;
+    fine.light = shown;
+    fine.mesh = lamps_mesh(lamps, &light->fine->mesh, lit, arena);
+    return fine_light(&fine, &out, arena);
+}
+
 RadSolution light_of_source(const WalkLight *light, int source, Arena *arena) {
     const LightStates *s = light->states;
     Rgb *lit = ARENA_ARRAY(arena, Rgb, s->lamps->count + 1);
     if (source < s->lamps->count) lit[source] = (Rgb){1, 1, 1};
     Mesh found = lamps_mesh(s->lamps, s->found, lit, arena),
          shown = lamps_mesh(s->lamps, s->shown, lit, arena);
-    RadSolution one = each_lamp_one(s->solution, source, arena), out = one;
-    if (s->shown != s->found) CORE_ASSERT(shown_fill(&found, &one, &shown, arena, &out));
-    out.direct = out.unshot = out.rest = NULL;
-    FineMesh fine = *light->fine;
-    fine.light = &shown;
-    fine.mesh = lamps_mesh(s->lamps, &light->fine->mesh, lit, arena);
-    return fine_light(&fine, &out, arena);
+    RadSolution one = each_lamp_one(s->solution, source, arena);
+    return draw_fine(light, s->lamps, &found, s->shown != s->found ? &shown : &found, lit, &one, arena);
+}
+
+// All that light needs to follow the doors.
+typedef struct LightFollower {
+    Relight relight;
+    RadOptions rad;
+} LightFollower;
+
+bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
+                  Arena *arena, RadSolution *out) {
+    Relight *r = &light->follower->relight;
+    RadSolution found;
+    if (!relight_state(r, door_open, lit, progress, arena, &found, NULL)) return false;
+    const Mesh *shown = direct_sources_shown(r->sources);
+    Mesh on = lamps_mesh(r->lamps, r->mesh, lit, arena), by = lamps_mesh(r->lamps, shown, lit, arena);
+    *out = draw_fine(light, r->lamps, &on, shown != r->mesh ? &by : &on, lit, &found, arena);
+    return true;
+}
+
+const Lamps *light_follower_lamps(const WalkLight *light) { return light->follower->relight.lamps; }
+
+void light_end(WalkLight *light) {
+    if (!light->follower) return;
+    shoot_rows_end(light->follower->rad.rows);
+    direct_sources_end(light->follower->relight.sources);
+    light->follower = NULL;
 }
 
 bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error) {
@@ -102,9 +136,8 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
     bool good = rad_load_options(path, &scene->building, arena, &options, doors, error);
     if (good) {
-        Vec3 *vertices = vis_posed(graph, doors, &scratch);
-        options.proxies = proxies_find(graph, vertices, options.proxy, arena);
-        good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
+        options.proxies = proxies_find(graph, options.proxy, arena);
+        good = mesh_build(graph, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error) &&
                (!scene->day_given || light_check_day(path, solution, &scene->day, error)) &&
                light_take_lamps(path, scene, solution, error);
@@ -183,7 +216,9 @@ typedef struct Baking {
     RadSolution *solution;
     float *doors;
     Arena *arena;
-    DirectSources *sources;  // NULL: the light of each lamp is not asked for
+    // Of light that follows, else NULL.
+    DirectSources *sources;
+    const Mesh *drawn;  // the mesh, or a copy of it whose doors stay
 } Baking;
 
 static bool store(const Baking *b, Error *error) {
@@ -207,7 +242,7 @@ static bool bake_all(Baking *b, WalkLight *out, Error *error) {
     if (hooks->show) show_solution(&shower, b->solution);
     if (!direct_show_apart(b->mesh, forest, b->doors, hooks->threads, &hooks->progress, b->arena, b->solution,
                            b->sources, NULL) ||
-        !show_finer(b->mesh, b->solution, b->doors, &b->bake->scene->lamps, b->arena, out, error))
+        !show_finer(b->drawn, b->solution, b->doors, &b->bake->scene->lamps, b->arena, out, error))
         return error_set(error, "stopped");
     return true;
 }
@@ -220,13 +255,37 @@ static void bake_each(Baking *b, WalkLight *out, Error *error) {
     if (!b->solution->gathered || !b->solution->node ||
         !each_lamp_find(&each, &b->hooks->progress, b->arena, b->solution))
         return;
-    if (show_finer(b->mesh, b->solution, b->doors, &scene->lamps, b->arena, &light, error)) *out = light;
+    if (show_finer(b->drawn, b->solution, b->doors, &scene->lamps, b->arena, &light, error)) *out = light;
     store(b, error);
+}
+
+static bool has_doors(const Building *b) {
+    for (int i = 0; i < b->opening_count; i++)
+        if (b->openings[i].kind == OPENING_DOOR) return true;
+    return false;
+}
+
+// Keeps what is needed to light the building with its doors elsewhere.
+static void begin_following(Baking *b, LightFollower *follower) {
+    const LoadedScene *scene = b->bake->scene;
+    Mesh *drawn = ARENA_ARRAY(b->arena, Mesh, 1);
+    int openings = scene->building.opening_count;
+    float *doors = ARENA_ARRAY(b->arena, float, openings + 1);
+    memcpy(doors, b->doors, (size_t)openings * sizeof *doors);
+    *drawn = mesh_copy(b->mesh, b->arena);
+    b->drawn = drawn;
+    b->sources = each_lamp_sources(b->mesh, &scene->lamps, b->hooks->threads, b->arena);
+    relight_prepare(b->sources, b->mesh, b->arena);
+    follower->rad = b->options.rad;
+    follower->rad.rows = b->options.rad.rows =
+        shoot_rows_new(b->mesh, &scene->forest, doors, &follower->rad, &b->solution->day, b->arena);
+    follower->relight =
+        (Relight){b->mesh, &scene->lamps, &scene->forest, doors, &follower->rad, b->sources, b->solution};
 }
 
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
     const SceneBake *bake = context;
-    const StabForest *forest = &bake->scene->forest;
+    const LoadedScene *scene = bake->scene;
     Baking b = {.bake = bake,
                 .hooks = hooks,
                 .options = bake_default_options(),
@@ -234,29 +293,32 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
                 .solution = ARENA_ARRAY(arena, RadSolution, 1),
                 .arena = arena};
     b.options.rad.threads = hooks->threads;
-    b.options.day = bake->scene->day;
-    if (!bake_mesh(&b.options, bake->scene, NULL, &hooks->progress, arena, &b.doors, b.mesh, error) ||
+    b.options.day = scene->day;
+    if (!bake_mesh(&b.options, scene, NULL, &hooks->progress, arena, &b.doors, b.mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0))
         return false;
-    bool each = hooks->each && bake->scene->lamps.count > 0;
-    if (!each) *b.mesh = scene_lit_mesh(bake->scene, b.mesh, arena);
+    LightFollower *follower = NULL;
+    if (hooks->each && (scene->lamps.count > 0 || has_doors(&scene->building)))
+        follower = ARENA_ARRAY(arena, LightFollower, 1);
+    if (!follower) *b.mesh = scene_lit_mesh(scene, b.mesh, arena);
+    b.drawn = b.mesh;
     rad_fit(b.mesh, &b.options.rad);
-    if (!begin_light(&b.options, forest, b.doors, &hooks->progress, b.mesh, arena, b.solution, error))
+    if (!begin_light(&b.options, &scene->forest, b.doors, &hooks->progress, b.mesh, arena, b.solution, error))
         return false;
-    if (!each) b.solution->lit = bake->scene->lit;
-    if (!each) b.solution->lamp_count = bake->scene->lamps.count;
-    if (each) {
-        b.sources = each_lamp_sources(b.mesh, &bake->scene->lamps, hooks->threads, arena);
-        b.options.rad.rows = shoot_rows_new(b.mesh, forest, b.doors, &b.options.rad, &b.solution->day, arena);
-    }
+    if (!follower) b.solution->lit = scene->lit;
+    if (!follower) b.solution->lamp_count = scene->lamps.count;
+    if (follower) begin_following(&b, follower);
     bool good = bake_all(&b, out, error);
     if (good) store(&b, error);
     if (good && hooks->whole) hooks->whole(hooks->context, out);
-    if (good && each) bake_each(&b, out, error);
-    if (each) {
-        shoot_rows_end(b.options.rad.rows);
-        direct_sources_end(b.sources);
-    }
+    if (good && follower && scene->lamps.count > 0) bake_each(&b, out, error);
+    bool follows =
+        good && follower && has_doors(&scene->building) && b.solution->gathered && b.solution->node;
+    WalkLight kept = {.follower = follower};
+    if (follows)
+        out->follower = follower;
+    else
+        light_end(&kept);
     return good;
 }
 

@@ -34,8 +34,9 @@ typedef struct LightHooks {
     double show_every;
     // 0: all cores.
     int threads;
-    // Find the light of each lamp, too (WalkLight.states); all are fully lit then, whatever the scene asks for. Before that begins,
-    // `whole` is called with all light together; NULL: nobody is.
+    // Find the light of each lamp, too (WalkLight.states), and keep what light needs to follow the doors (WalkLight.follower, until
+    // light_end); all lamps are fully lit then, whatever the scene asks for. Before that begins, `whole` is called with all light together;
+    // NULL: nobody is.
     bool each;
     void (*whole)(void *context, const WalkLight *light);
 } LightHooks;
@@ -61,6 +62,16 @@ LightBaker light_baker(LoadedScene *scene, Arena *arena);
 // The light of one source by itself, fully lit, on light->mesh: of lamp `source`, or of the day, states->lamps->count; without the fields
 // `direct`, `unshot` and `rest`. The light must have `states`. The result lives in the arena.
 RadSolution light_of_source(const WalkLight *light, int source, Arena *arena);
+
+// The light with the doors, [opening_count], and the lamps, [count of the scene's], elsewhere than where light->solution has them, on
+// light->mesh, as light_of_source gives it. The light must have a `follower`, which one thread at a time may ask. False where progress asked
+// to stop. The result lives in the arena.
+bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
+                  Arena *arena, RadSolution *out);
+// The lamps of a light that follows.
+const Lamps *light_follower_lamps(const WalkLight *light);
+// Frees what the follower keeps.
+void light_end(WalkLight *light);
 
 // ---- loading a building to walk through
 

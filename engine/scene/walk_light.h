@@ -22,6 +22,8 @@ typedef struct WalkLight {
     const FineMesh *fine;
     // NULL: the light of each lamp is not known.
     const LightStates *states;
+    // Finds the light where doors stand elsewhere (light_follow); NULL: nobody does.
+    struct LightFollower *follower;
 } WalkLight;
 
 #endif

@@ -55,7 +55,7 @@ static double expose(const StabForest *forest, const WalkLight *baked, const Cam
     Arena scratch = {0};
     LitMesh *lit = lit_mesh_new(mesh, &scratch);
     LitLight light = lit_light_new(lit, &scratch);
-    lit_light_fill(lit, baked->solution, &light);
+    lit_light_fill(lit, baked->solution, NULL, &light);
     VisQuery *query = vis_query_new(mesh->graph, forest, &scratch);
     Eye eye = walk_eye(camera);
     VisResult seen =

@@ -39,11 +39,17 @@ struct LightThread {
     LitLight state[ALL_STATES];
     int last;         // LAST, or LAST_ANEW: the first of the states on the mesh that is shown now
     int fresh, held;  // the state that the walk is to fetch; the state it has; -1: none
-    Rgb *wanted;      // the state of the lamps that is asked for and not made yet, [wanted_count], or NULL
-    int wanted_count;
+    // The state of lamps and doors that was asked for last, [lamp_count] and [opening_count]; is it made yet, is it being made?
+    Rgb *lit;
+    float *doors;
+    bool doors_move;  // else they stand as they were baked
+    int lamp_count, opening_count;
+    atomic_bool wanted, making;
     atomic_int lamps, lamps_done;  // LAMPS_KNOWN ..; thousandths
     LitStates *states;
-    Arena asked;  // of `wanted`
+    WalkLight *base;      // of `states`
+    WalkLight *followed;  // the same if it follows the doors, to be ended; NULL
+    Arena asked;          // of the state asked for
 };
 
 // ---- in the bake's own thread
@@ -65,7 +71,7 @@ static void wake_walk(LightThread *t) {
 
 static void fill_light(LightThread *t, const RadSolution *solution) {
     int free_one = t->held == 0 ? 1 : 0;
-    lit_light_fill(atomic_load(&t->mesh), solution, &t->state[free_one]);
+    lit_light_fill(atomic_load(&t->mesh), solution, NULL, &t->state[free_one]);
     pthread_mutex_lock(&t->lock);
     t->fresh = free_one;
     pthread_mutex_unlock(&t->lock);
@@ -112,7 +118,7 @@ static void show_whole(void *context, const WalkLight *light) {
     LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena);
     t->last = t->last == 0 ? LAST : LAST_ANEW;
     for (int i = 0; i < STATES; i++) t->state[t->last + i] = lit_light_new(mesh, &t->arena);
-    lit_light_fill(mesh, light->solution, &t->state[t->last]);
+    lit_light_fill(mesh, light->solution, light->door_open, &t->state[t->last]);
     hand_over(t, t->last, mesh);
     atomic_store(&t->lamps, LAMPS_SOUGHT);
     atomic_store(&t->end, LIGHT_READY);
@@ -121,23 +127,26 @@ static void show_whole(void *context, const WalkLight *light) {
 static int free_state(const LightThread *t) { return t->held == t->last ? t->last + 1 : t->last; }
 
 // Waits until the walk has fetched the state before, which tells the state that may change.
-static void show_again(LightThread *t, const RadSolution *solution) {
+static void show_again(LightThread *t, const WalkLight *light) {
     pthread_mutex_lock(&t->lock);
     while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
     int state = free_state(t);
     pthread_mutex_unlock(&t->lock);
     if (atomic_load(&t->stop)) return;
-    lit_light_fill(atomic_load(&t->mesh), solution, &t->state[state]);
+    lit_light_fill(atomic_load(&t->mesh), light->solution, light->door_open, &t->state[state]);
     hand_over(t, state, atomic_load(&t->mesh));
 }
 
 static void learn_lamps(LightThread *t, const WalkLight *light) {
-    if (light->states) {
+    if (light->states || light->follower) {
         WalkLight *kept = ARENA_ARRAY(&t->arena, WalkLight, 1);
         *kept = *light;
+        if (t->followed) light_end(t->followed);
+        t->followed = kept->follower ? kept : NULL;
         t->states = lit_states_new(atomic_load(&t->mesh), kept, &t->arena);
+        t->base = kept;
     }
-    atomic_store(&t->lamps, light->states ? LAMPS_KNOWN : LAMPS_UNKNOWN);
+    atomic_store(&t->lamps, t->states ? LAMPS_KNOWN : LAMPS_UNKNOWN);
     wake_walk(t);
 }
 
@@ -155,45 +164,66 @@ static void bake_anew(LightThread *t) {
     learn_lamps(t, &light);
 }
 
-// Makes the state of the lamps that is asked for; the newest one alone.
-static void switch_lamps(LightThread *t) {
+static bool goes_on(void *context, const char *stage, double done) {
+    const LightThread *t = context;
+    (void)stage;
+    (void)done;
+    return !atomic_load(&t->stop);
+}
+
+// Makes the state that is asked for; the newest one alone.
+static void make_state(LightThread *t) {
     Arena scratch = {0};
     pthread_mutex_lock(&t->lock);
     while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
-    Rgb *lit = ARENA_ARRAY(&scratch, Rgb, t->wanted_count + 1);
-    if (t->wanted) memcpy(lit, t->wanted, (size_t)t->wanted_count * sizeof *lit);
-    t->wanted = NULL;
+    Rgb *lit = ARENA_ARRAY(&scratch, Rgb, t->lamp_count + 1);
+    float *doors = ARENA_ARRAY(&scratch, float, t->opening_count + 1);
+    memcpy(lit, t->lit, (size_t)t->lamp_count * sizeof *lit);
+    memcpy(doors, t->doors_move ? t->doors : t->base->door_open, (size_t)t->opening_count * sizeof *doors);
+    atomic_store(&t->making, true);
+    t->wanted = false;
     pthread_mutex_unlock(&t->lock);
-    if (!atomic_load(&t->stop)) {
-        int state = free_state(t);
-        lit_states_fill(t->states, lit, &t->state[state]);
+    Progress progress = {goes_on, t};
+    int state = free_state(t);
+    if (!atomic_load(&t->stop) && lit_states_fill(t->states, lit, doors, &progress, &t->state[state]))
         hand_over(t, state, atomic_load(&t->mesh));
-    }
+    atomic_store(&t->making, false);
     arena_free(&scratch);
 }
 
-// Goes on with lamps until it is told to stop.
-static void serve_lamps(LightThread *t) {
-    bool tried = false;
+// Can the state that is asked for be made of what is there? Of doors elsewhere only a light that follows them knows anything.
+static bool is_known(LightThread *t) {
+    if (!t->states) return false;
+    pthread_mutex_lock(&t->lock);
+    bool known = t->base->follower || !t->doors_move || lit_states_sums(t->states, t->doors);
+    pthread_mutex_unlock(&t->lock);
+    return known;
+}
+
+// Goes on with lamps and doors until it is told to stop.
+static void serve_states(LightThread *t) {
+    bool tried = !t->baker.anew;
     for (;;) {
         bool idle = !t->states;  // nothing to prepare
         pthread_mutex_lock(&t->lock);
-        bool asked = t->wanted != NULL;
+        bool asked = t->wanted;
         pthread_mutex_unlock(&t->lock);
         if (!asked && t->states) idle = !lit_states_prepare(t->states);
         pthread_mutex_lock(&t->lock);
         while (idle && !t->wanted && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
-        asked = t->wanted != NULL;
+        asked = t->wanted;
         pthread_mutex_unlock(&t->lock);
         if (atomic_load(&t->stop)) return;
         if (!asked) continue;
-        if (!t->states && !tried) bake_anew(t);
-        tried = true;
+        if (!is_known(t) && !tried) {
+            bake_anew(t);
+            tried = true;
+        }
         if (!t->states) {
             atomic_store(&t->lamps, LAMPS_NEVER);
             return;
         }
-        switch_lamps(t);
+        make_state(t);
     }
 }
 
@@ -207,12 +237,12 @@ static void *work(void *context) {
     bool shown = atomic_load(&t->end) != LIGHT_UNDER_WAY;
     if (good && !shown) show_whole(t, &light);
     // The light of all lamps is the sum of theirs from now on.
-    if (good && shown && light.states) show_again(t, light.solution);
+    if (good && shown && light.states) show_again(t, &light);
     if (good) learn_lamps(t, &light);
     atomic_store(&t->end, good || atomic_load(&t->end) == LIGHT_READY ? LIGHT_READY : LIGHT_FAILED);
     wake_walk(t);
     if (good && (t->states || t->baker.anew))
-        serve_lamps(t);
+        serve_states(t);
     else
         atomic_store(&t->lamps, LAMPS_NEVER);
     return NULL;
@@ -267,17 +297,24 @@ const char *light_thread_note(const LightThread *t) {
     return light_thread_end(t) == LIGHT_UNDER_WAY ? "" : t->error.text;
 }
 
-void light_thread_switch(LightThread *t, const Rgb *lit, int count) {
+void light_thread_ask(LightThread *t, const Rgb *lit, int count, const float *doors, int openings) {
     pthread_mutex_lock(&t->lock);
-    if (t->wanted_count != count || !t->wanted) {
+    if (!t->lit || t->lamp_count != count || t->opening_count != openings) {
         arena_reset(&t->asked);
-        t->wanted = ARENA_ARRAY(&t->asked, Rgb, count + 1);
-        t->wanted_count = count;
+        t->lit = ARENA_ARRAY(&t->asked, Rgb, count + 1);
+        t->doors = ARENA_ARRAY(&t->asked, float, openings + 1);
+        t->lamp_count = count;
+        t->opening_count = openings;
     }
-    memcpy(t->wanted, lit, (size_t)count * sizeof *lit);
+    memcpy(t->lit, lit, (size_t)count * sizeof *lit);
+    t->doors_move = doors != NULL;
+    if (doors) memcpy(t->doors, doors, (size_t)openings * sizeof *doors);
+    t->wanted = true;
     pthread_cond_signal(&t->received);
     pthread_mutex_unlock(&t->lock);
 }
+
+bool light_thread_behind(const LightThread *t) { return t->wanted || atomic_load(&t->making); }
 
 int light_thread_lamps(const LightThread *t) { return atomic_load(&t->lamps); }
 double light_thread_lamps_done(const LightThread *t) { return atomic_load(&t->lamps_done) / 1000.0; }
@@ -303,6 +340,7 @@ bool light_thread_free(LightThread *t, double seconds) {
     if (pthread_timedjoin_np(t->handle, NULL, &until) != 0) return false;
     pthread_cond_destroy(&t->received);
     pthread_mutex_destroy(&t->lock);
+    if (t->followed) light_end(t->followed);
     arena_free(&t->arena);
     arena_free(&t->asked);
     return true;

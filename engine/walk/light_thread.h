@@ -30,11 +30,11 @@ int light_thread_end(const LightThread *thread);
 // A sentence for the user after the end; "": nothing to tell.
 const char *light_thread_note(const LightThread *thread);
 
-// ---- lamps
+// ---- lamps and doors
 
-// Asks for the light in a state of the lamps, [count of the scene's lamps], which is copied. Where the light of each lamp is not known yet,
-// it is found first: by a bake anew, where light was stored without.
-void light_thread_switch(LightThread *thread, const Rgb *lit, int count);
+// Asks for the light with the lamps, [count of the scene's lamps], and the doors, [opening_count] (NULL: as they were baked), in a state,
+// which is copied; the newest one asked for is made. What that takes is found first where it is not known yet: by a bake anew, where light was stored without.
+void light_thread_ask(LightThread *thread, const Rgb *lit, int count, const float *doors, int openings);
 enum {
     LAMPS_KNOWN,    // the next state asked for comes at once
     LAMPS_SOUGHT,   // the light of each lamp is being found
@@ -44,6 +44,8 @@ enum {
 int light_thread_lamps(const LightThread *thread);
 // How much of it is found, 0 .. 1.
 double light_thread_lamps_done(const LightThread *thread);
+// Is a state asked for that is not there yet?
+bool light_thread_behind(const LightThread *thread);
 // Can states be asked for at all?
 bool light_thread_switches(const LightThread *thread);
 

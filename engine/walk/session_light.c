@@ -27,6 +27,25 @@ static void tell_end(Session *s) {
                                              : "all light has arrived; there is no cache to keep it in");
 }
 
+void session_ask_light(Shown *shown) {
+    const Building *b = shown->scene.graph->building;
+    light_thread_ask(shown->baking, shown->lit, shown->scene.scene->lamps.count,
+                     shown->doors_moved ? shown->doors.open : NULL, b->opening_count);
+}
+
+// A door that moves asks for its light on its way as well: the newest state is made, as soon as the one before is there.
+static void follow_doors(Session *s) {
+    Shown *shown = s->shown;
+    const int doors = shown->scene.graph->building->opening_count;
+    if (!shown->scene.scene || !session_light_shown(s) || light_thread_end(shown->baking) != LIGHT_READY ||
+        !light_thread_switches(shown->baking) ||
+        memcmp(shown->asked_open, shown->doors.open, (size_t)doors * sizeof(float)) == 0)
+        return;
+    memcpy(shown->asked_open, shown->doors.open, (size_t)doors * sizeof(float));
+    shown->doors_moved = true;
+    session_ask_light(shown);
+}
+
 void session_receive_light(Session *s) {
     Shown *shown = s->shown;
     WalkRenderer *renderer = shown->renderer;
@@ -40,6 +59,7 @@ void session_receive_light(Session *s) {
         if (first && !s->look_chosen) s->look = WALK_BAKED;
     }
     tell_end(s);
+    follow_doors(s);
 }
 
 bool session_light_shown(const Session *s) {
@@ -98,13 +118,22 @@ double session_light_done(const Session *s) {
     return walk_renderer_lit(s->shown->renderer) ? 1 : 0;
 }
 
+// Is the light that is shown that of the doors and lamps as they are now?
+static const char *text_behind(const Session *s, Arena *arena) {
+    const LightThread *baking = s->shown->baking;
+    if (!baking || light_thread_end(baking) != LIGHT_READY || !light_thread_behind(baking)) return "";
+    if (light_thread_lamps(baking) == LAMPS_KNOWN) return ", follows";
+    return arena_format(arena, ", follows once it is baked anew: %.0f %%",
+                        100 * light_thread_lamps_done(baking));
+}
+
 const char *session_light_text(const Session *s, Arena *arena) {
     const char *arriving = "";
     if (session_light_arriving(s)) arriving = arena_format(arena, "%.0f %%, ", 100 * session_light_done(s));
     if (!session_light_shown(s))
         return *arriving ? arena_format(arena, "%sto come", arriving) : "as sketched";
-    return arena_format(arena, "%s%+.1f stops%s", arriving, s->exposure.stops,
-                        s->exposure.fixed ? ", fixed" : "");
+    return arena_format(arena, "%s%+.1f stops%s%s", arriving, s->exposure.stops,
+                        s->exposure.fixed ? ", fixed" : "", text_behind(s, arena));
 }
 
 bool session_legend(const Session *s, HudLegend *out) {
@@ -229,7 +258,7 @@ static void change_lamps(Session *s, float (*next)(float share, int by), int by)
     float share = next(most, by);
     for (int i = 0; i < lamps_of(s)->count; i++)
         if (is_meant(s, i, looked_at)) set_lamp(s, i, share);
-    light_thread_switch(s->shown->baking, s->shown->lit, lamps_of(s)->count);
+    session_ask_light(s->shown);
     say_lamps(s, count, last, share);
 }
 

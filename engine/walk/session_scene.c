@@ -37,6 +37,9 @@ Shown *shown_load(const Session *s, Error *error) {
     shown->drawn_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
     shown->hidden = ARENA_ARRAY(&arena, int, graph->object_count + 1);
     set_doors(&shown->doors, graph->building, s->options.doors);
+    shown->asked_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
+    memcpy(shown->asked_open, shown->doors.open,
+           (size_t)graph->building->opening_count * sizeof *shown->asked_open);
     // From here on the arena is stored in the object that it holds.
     shown->arena = arena;
     Arena scratch = {0};
@@ -61,8 +64,7 @@ bool shown_upload(const Session *s, Shown *shown, Error *error) {
     if (!light && shown->scene.baker.bake)
         shown->baking =
             light_thread_start(&shown->scene.baker, s->options.wake, s->options.wake_context, &shown->arena);
-    if (shown->baking && scene && !scene_fully_lit(scene))
-        light_thread_switch(shown->baking, shown->lit, scene->lamps.count);
+    if (shown->baking && scene && !scene_fully_lit(scene)) session_ask_light(shown);
     return true;
 }
 

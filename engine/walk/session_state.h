@@ -49,6 +49,8 @@ typedef struct Shown {
     int *hidden;          // [object_count] room for the surfaces of cells that are not visible
     LightThread *baking;  // or NULL
     Rgb *lit;             // [lamps of the scene] as they are switched
+    float *asked_open;    // [opening_count] the doors for which light was asked last
+    bool doors_moved;     // since the building was opened: light that shows them otherwise is wrong
     bool told;            // the end of the bake has been reported
     struct Shown *next;   // in the list of those no longer shown whose light is still being baked
 } Shown;
@@ -158,7 +160,9 @@ bool session_open_trace(Session *s, Error *error);  // true where none is wanted
 void session_trace(Session *s);
 
 // ---- session_light.c
-void session_receive_light(Session *s);                 // once a frame, before drawing
+void session_receive_light(Session *s);  // once a frame, before drawing
+// Asks for the light of the lamps as they are switched, and of the doors, once one of them has moved.
+void session_ask_light(Shown *shown);
 void session_expose(Session *s, const Camera *camera);  // adapts to the visible objects
 bool session_light_shown(const Session *s);             // is light by radiosity shown?
 double session_light_done(const Session *s);            // 0 .. 1

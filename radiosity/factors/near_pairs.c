@@ -45,6 +45,7 @@ struct NearShapes {
     Vec3 origin;
     Ball *balls;    // [element_count]
     int *first;     // [element_count + 1] in `corners`; an element with too many corners has none there
+    int *vertex;    // of each, in Mesh.vertices
     Vec3 *corners;  // building space
 };
 
@@ -57,43 +58,63 @@ struct NearPairs {
     Row row;
 };
 
-static Ball ball_of(Vec3 origin, const Vec3 *v, int count) {
+static Ball ball_of(Vec3 origin, const Mesh *mesh, const Element *e) {
+    const int *corner = mesh->corners + e->first_corner;
     Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < count; i++) sum = vec3_add(sum, vec3_sub(v[i], origin));
-    Vec3 centre = vec3_scale(sum, 1.0 / count);
+    for (int i = 0; i < e->corner_count; i++)
+        sum = vec3_add(sum, vec3_sub(mesh->vertices[corner[i]], origin));
+    Vec3 centre = vec3_scale(sum, 1.0 / e->corner_count);
     double radius = 0;
-    for (int i = 0; i < count; i++)
-        radius = fmax(radius, vec3_length(vec3_sub(vec3_sub(v[i], origin), centre)));
+    for (int i = 0; i < e->corner_count; i++)
+        radius = fmax(radius, vec3_length(vec3_sub(vec3_sub(mesh->vertices[corner[i]], origin), centre)));
     return (Ball){(float)centre.x, (float)centre.y, (float)centre.z, (float)radius};
 }
 
-// Removes the corners on straight edges of a convex polygon about the normal n; returns how many corners are left.
-static int true_corners(Vec3 *v, int count, Vec3 n) {
+// Removes the corners on straight edges of a convex polygon about the normal n, and their vertices; returns how many corners are left.
+static int true_corners(Vec3 *v, int *vertex, int count, Vec3 n) {
     int kept = 0;
     for (int i = 0; i < count; i++) {
         Vec3 before = v[kept > 0 ? kept - 1 : count - 1], after = v[i + 1 < count ? i + 1 : 0];
         Vec3 a = vec3_sub(v[i], before), b = vec3_sub(after, v[i]);
-        if (vec3_dot(n, vec3_cross(a, b)) > STRAIGHT * vec3_length(a) * vec3_length(b)) v[kept++] = v[i];
+        if (!(vec3_dot(n, vec3_cross(a, b)) > STRAIGHT * vec3_length(a) * vec3_length(b))) continue;
+        vertex[kept] = vertex[i];
+        v[kept++] = v[i];
     }
     return kept;
 }
 
-const NearShapes *near_shapes(const Mesh *mesh, Arena *arena) {
+NearShapes *near_shapes(const Mesh *mesh, Arena *arena) {
     NearShapes *shapes = ARENA_ARRAY(arena, NearShapes, 1);
     shapes->origin = mesh->vertices[0];
     shapes->balls = ARENA_ARRAY(arena, Ball, mesh->element_count);
     shapes->first = ARENA_ARRAY(arena, int, mesh->element_count + 1);
+    shapes->vertex = ARENA_ARRAY(arena, int, mesh->corner_count);
     shapes->corners = ARENA_ARRAY(arena, Vec3, mesh->corner_count);
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
         Vec3 *v = shapes->corners + shapes->first[e];
+        int *vertex = shapes->vertex + shapes->first[e];
         for (int i = 0; i < element->corner_count; i++)
-            v[i] = mesh->vertices[mesh->corners[element->first_corner + i]];
-        shapes->balls[e] = ball_of(shapes->origin, v, element->corner_count);
-        int kept = true_corners(v, element->corner_count, mesh->faces[element->face].plane.n);
+            v[i] = mesh->vertices[vertex[i] = mesh->corners[element->first_corner + i]];
+        shapes->balls[e] = ball_of(shapes->origin, mesh, element);
+        int kept = true_corners(v, vertex, element->corner_count, mesh->faces[element->face].plane.n);
         shapes->first[e + 1] = shapes->first[e] + (kept <= MOST_CORNERS ? kept : 0);
     }
     return shapes;
+}
+
+void near_shapes_pose(NearShapes *shapes, const Mesh *mesh) {
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        if (mesh->graph->objects[face->object].leaf < 0) continue;
+        for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
+            int count = shapes->first[e + 1] - shapes->first[e];
+            Vec3 *v = shapes->corners + shapes->first[e];
+            const int *vertex = shapes->vertex + shapes->first[e];
+            for (int i = 0; i < count; i++) v[i] = mesh->vertices[vertex[i]];
+            shapes->balls[e] = ball_of(shapes->origin, mesh, &mesh->elements[e]);
+        }
+    }
 }
 
 NearPairs *near_pairs_new(const Mesh *mesh, const NearShapes *shapes, double reach, Arena *arena) {

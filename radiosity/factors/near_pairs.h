@@ -11,7 +11,9 @@
 // The elements of a mesh in the form that the search for near elements uses: for each element a ball around it, and its corners
 // without the vertices of neighbours on its straight edges.
 typedef struct NearShapes NearShapes;
-const NearShapes *near_shapes(const Mesh *mesh, Arena *arena);
+NearShapes *near_shapes(const Mesh *mesh, Arena *arena);
+// To be called when the mesh was posed anew (mesh_pose).
+void near_shapes_pose(NearShapes *shapes, const Mesh *mesh);
 
 // The buffers of one thread; all threads may share `shapes`. An element is near a patch if its ball is less than `reach` times the
 // patch's radius away from the patch's centre. All memory is taken here.

@@ -43,6 +43,13 @@ typedef struct FaceKey {
     int shape, first;   // `first` of the face's vertices in View.vertices
 } FaceKey;
 
+// A face on its way into a cluster.
+typedef struct Placed {
+    double at;
+    int face;
+    FaceShape shape;
+} Placed;
+
 // The point and the axes of the view at hand.
 typedef struct Look {
     Viewer *viewer;
@@ -65,6 +72,14 @@ struct Viewer {
     // [object_count + 1] object o has clusters object_cluster[o] .. object_cluster[o + 1] - 1
     int *object_cluster;
     int cluster_count;
+    bool *hidden;     // [object_count] by the state of its door
+    Placed *placed;   // [of the object with most faces]
+    int *door_of;     // [object_count] the opening of a leaf, -1
+    int *cell_first;  // [cell_count + 1] in `cell_doors`
+    int *
+        cell_doors;  // doors that are seen wherever a cell beside them is: they have no leaf that is an object, or glass
+    uint64_t *doors;  // [door_words] of the view
+    int door_words;
     unsigned *seen;  // [object_count] the last look with CULL_CELLS that took the object
     unsigned looks;
     FaceKey *keys, *spare;                       // [face_count]
@@ -106,13 +121,6 @@ static FaceShape shape_of(const Viewer *viewer, const Face *face) {
 // Clusters of fewer faces are never closed.
 enum { LEAST_IN_CLUSTER = 3 };
 
-// A face on its way into a cluster.
-typedef struct Placed {
-    double at;
-    int face;
-    FaceShape shape;
-} Placed;
-
 static int by_place(const void *a, const void *b) {
     const Placed *p = a, *q = b;
     return p->at != q->at ? (p->at > q->at ? 1 : -1) : p->face - q->face;
@@ -145,15 +153,15 @@ static void four_around(const FaceShape *shape, const Vec3 *v, Vec3 out[CLUSTER_
                                                   vec3_scale(y, i / 2 ? high[1] : low[1])));
 }
 
-// Makes a cluster of faces whose shapes are the last ones so far.
-static void put_cluster(Viewer *viewer, int first, int count) {
+// Makes cluster `index` of faces whose shapes are there.
+static void put_cluster(Viewer *viewer, int index, int first, int count) {
     Vec3 around[LANES][CLUSTER_CORNERS], half;
     for (int i = 0; i < LANES; i++) {
         const FaceShape *shape = &viewer->shapes[first + (i < count ? i : 0)];
         four_around(shape, viewer->corners + shape->first, around[i]);
     }
     Vec3 centre = middle_of_box(around[0], LANES * CLUSTER_CORNERS, &half);
-    ClusterCorners *corners = &viewer->cluster_corners[viewer->cluster_count];
+    ClusterCorners *corners = &viewer->cluster_corners[index];
     for (int i = 0; i < LANES; i++) {
         for (int k = 0; k < CLUSTER_CORNERS; k++) {
             Vec3 off = vec3_sub(around[i][k], centre);
@@ -164,17 +172,20 @@ static void put_cluster(Viewer *viewer, int first, int count) {
     }
     double more = viewer->on_plane;
     half = vec3_add(half, vec3(more, more, more));
-    viewer->clusters[viewer->cluster_count++] = (Cluster){centre, half, first, count};
+    viewer->clusters[index] = (Cluster){centre, half, first, count};
 }
 
-// Cuts faces in halves, across the longest way between their centres, until a half is a cluster.
-static void cluster_faces(Viewer *viewer, Placed *faces, int first, int count) {
+// Clusters of so many faces.
+static int clusters_of(int count) { return (count + LANES - 1) / LANES; }
+
+// Cuts faces in halves, across the longest way between their centres, until a half is a cluster: `cluster` and those that follow.
+static void cluster_faces(Viewer *viewer, Placed *faces, int first, int count, int cluster) {
     if (count <= LANES) {
         for (int i = 0; i < count; i++) {
             viewer->shapes[first + i] = faces[i].shape;
             viewer->face_of[first + i] = faces[i].face;
         }
-        if (count > 0) put_cluster(viewer, first, count);
+        if (count > 0) put_cluster(viewer, cluster, first, count);
         return;
     }
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -192,40 +203,127 @@ static void cluster_faces(Viewer *viewer, Placed *faces, int first, int count) {
     qsort(faces, (size_t)count, sizeof *faces, by_place);
     // All clusters but the last are full.
     int half = (count / 2 + LANES - 1) / LANES * LANES;
-    cluster_faces(viewer, faces, first, half);
-    cluster_faces(viewer, faces + half, first + half, count - half);
+    cluster_faces(viewer, faces, first, half, cluster);
+    cluster_faces(viewer, faces + half, first + half, count - half, cluster + half / LANES);
+}
+
+// Lists the faces first .. end - 1, those of one object, as they stand.
+static void list_object(Viewer *viewer, int object, int first, int end) {
+    const Mesh *mesh = viewer->mesh;
+    if (first == end) return;
+    for (int f = first; f < end; f++) {
+        const Face *face = &mesh->faces[f];
+        for (int i = face->first_vertex; i < face->first_vertex + face->vertex_count; i++)
+            viewer->corners[i] = mesh->vertices[mesh->outline[i]];
+        viewer->placed[f - first] = (Placed){0, f, shape_of(viewer, face)};
+    }
+    // All faces of an object are hidden, or none.
+    viewer->hidden[object] = mesh->faces[first].hidden;
+    cluster_faces(viewer, viewer->placed, first, end - first, viewer->object_cluster[object]);
+}
+
+static int end_of_object(const Mesh *mesh, int first) {
+    int end = first;
+    while (end < mesh->face_count && mesh->faces[end].object == mesh->faces[first].object) end++;
+    return end;
+}
+
+// Lists the faces of all objects, or of those alone that doors move.
+static void list_objects(Viewer *viewer, bool moving) {
+    const Mesh *mesh = viewer->mesh;
+    // mesh->faces is in the order of objects.
+    for (int f = 0, end; f < mesh->face_count; f = end) {
+        const Object *object = &mesh->graph->objects[mesh->faces[f].object];
+        end = end_of_object(mesh, f);
+        if (!moving || object->leaf >= 0 || object->plug) list_object(viewer, mesh->faces[f].object, f, end);
+    }
 }
 
 static void list_faces(Viewer *viewer, Arena *arena) {
     const Mesh *mesh = viewer->mesh;
     viewer->corners = ARENA_ARRAY(arena, Vec3, mesh->outline_count);
-    for (int i = 0; i < mesh->outline_count; i++) viewer->corners[i] = mesh->vertices[mesh->outline[i]];
     double largest = 0;
     for (int i = 0; i < mesh->vertex_count; i++) {
         Vec3 v = mesh->vertices[i];
         largest = fmax(largest, fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z))));
     }
     viewer->on_plane = ON_PLANE + ON_PLANE_RELATIVE * largest;
-    Arena scratch = {0};
-    Placed *placed = ARENA_ARRAY(&scratch, Placed, mesh->face_count);
-    for (int f = 0; f < mesh->face_count; f++) placed[f] = (Placed){0, f, shape_of(viewer, &mesh->faces[f])};
-    // mesh->faces is in the order of objects.
-    int objects = mesh->graph->object_count, f = 0, most = mesh->face_count / LANES + objects;
+    int objects = mesh->graph->object_count, most = 0;
     viewer->shapes = ARENA_ARRAY(arena, FaceShape, mesh->face_count);
     viewer->face_of = ARENA_ARRAY(arena, int, mesh->face_count);
-    viewer->clusters = ARENA_ARRAY(arena, Cluster, most);
-    viewer->cluster_corners = ARENA_ARRAY(arena, ClusterCorners, most);
     viewer->object_cluster = ARENA_ARRAY(arena, int, objects + 1);
-    for (int o = 0; o < objects; o++) {
-        int first = f;
-        viewer->object_cluster[o] = viewer->cluster_count;
-        while (f < mesh->face_count && mesh->faces[f].object == o) f++;
-        cluster_faces(viewer, placed + first, first, f - first);
+    viewer->hidden = ARENA_ARRAY(arena, bool, objects + 1);
+    for (int f = 0, end; f < mesh->face_count; f = end) {
+        end = end_of_object(mesh, f);
+        viewer->object_cluster[mesh->faces[f].object + 1] = clusters_of(end - f);
+        most = end - f > most ? end - f : most;
     }
-    viewer->object_cluster[objects] = viewer->cluster_count;
-    CORE_ASSERT(viewer->cluster_count <= most);
+    for (int o = 0; o < objects; o++) viewer->object_cluster[o + 1] += viewer->object_cluster[o];
+    viewer->cluster_count = viewer->object_cluster[objects];
+    viewer->clusters = ARENA_ARRAY(arena, Cluster, viewer->cluster_count);
+    viewer->cluster_corners = ARENA_ARRAY(arena, ClusterCorners, viewer->cluster_count);
+    viewer->placed = ARENA_ARRAY(arena, Placed, most + 1);
+    list_objects(viewer, false);
+}
+
+void viewer_pose(Viewer *viewer) { list_objects(viewer, true); }
+
+// ---- doors
+
+static bool seen_by_cells(const Building *b, const bool *has_leaf, int opening) {
+    return b->openings[opening].kind == OPENING_DOOR && (b->openings[opening].glazed || !has_leaf[opening]);
+}
+
+static void list_doors(Viewer *viewer, Arena *arena) {
+    const CellGraph *graph = viewer->mesh->graph;
+    const Building *b = graph->building;
+    Arena scratch = {0};
+    bool *has_leaf = ARENA_ARRAY(&scratch, bool, b->opening_count + 1);
+    viewer->door_words = (b->opening_count + 63) / 64;
+    viewer->doors = ARENA_ARRAY(arena, uint64_t, viewer->door_words + 1);
+    viewer->door_of = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    viewer->cell_first = ARENA_ARRAY(arena, int, graph->cell_count + 2);
+    for (int o = 0; o < graph->object_count; o++) {
+        int leaf = graph->objects[o].leaf;
+        viewer->door_of[o] = leaf >= 0 ? b->leaves[leaf].opening : -1;
+        if (leaf >= 0) has_leaf[b->leaves[leaf].opening] = true;
+    }
+    // Counts are stored two places ahead, and fills advance the entry one place ahead.
+    int *first = viewer->cell_first, *count = ARENA_ARRAY(&scratch, int, graph->cell_count + 2);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int p = 0; p < graph->portal_count; p++) {
+            int door = graph->portals[p].door;
+            if (door < 0 || !seen_by_cells(b, has_leaf, door)) continue;
+            for (int side = 0; side < 2; side++) {
+                int cell = graph->portals[p].cell[side];
+                if (pass > 0) viewer->cell_doors[first[cell] + count[cell]] = door;
+                count[cell]++;
+            }
+        }
+        for (int c = 0; pass == 0 && c < graph->cell_count; c++) first[c + 1] = first[c] + count[c];
+        if (pass == 0) viewer->cell_doors = ARENA_ARRAY(arena, int, first[graph->cell_count] + 1);
+        memset(count, 0, (size_t)graph->cell_count * sizeof *count);
+    }
     arena_free(&scratch);
-    CORE_ASSERT(f == mesh->face_count);
+}
+
+int viewer_door_words(const Viewer *viewer) { return viewer->door_words; }
+
+static void note_door(Viewer *viewer, int opening) {
+    viewer->doors[opening / 64] |= (uint64_t)1 << opening % 64;
+}
+
+static void note_doors(Viewer *viewer, const VisResult *seen) {
+    memset(viewer->doors, 0, (size_t)viewer->door_words * sizeof *viewer->doors);
+    for (int i = 0; i < seen->object_count; i++) {
+        int door = viewer->door_of[seen->objects[i]];
+        if (door >= 0) note_door(viewer, door);
+    }
+    for (int i = 0; i < seen->cell_count; i++) {
+        const int *first = viewer->cell_first + seen->cells[i].cell;
+        for (int k = first[0]; k < first[1]; k++) note_door(viewer, viewer->cell_doors[k]);
+    }
+    viewer->view.doors = viewer->doors;
 }
 
 Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door_open, Arena *arena) {
@@ -240,6 +338,7 @@ Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door
     viewer->view.faces = ARENA_ARRAY(arena, ViewFace, mesh->face_count);
     viewer->view.vertices = ARENA_ARRAY(arena, Vec3, mesh->outline_count + 1);  // one spare
     list_faces(viewer, arena);
+    list_doors(viewer, arena);
     viewer->found = ARENA_ARRAY(arena, ViewCluster, viewer->cluster_count);
     viewer->cluster_keys = ARENA_ARRAY(arena, FaceKey, viewer->cluster_count);
     viewer->spare_cluster_keys = ARENA_ARRAY(arena, FaceKey, viewer->cluster_count);
@@ -328,6 +427,7 @@ static void take_cluster(const Look *look, int index) {
 
 static void take_object(const Look *look, int object) {
     const int *first = look->viewer->object_cluster + object;
+    if (look->viewer->hidden[object]) return;
     for (int c = first[0]; c < first[1]; c++) take_cluster(look, c);
 }
 
@@ -370,6 +470,7 @@ static void take_query(const Look *look, int cell, Culling culling) {
     Eye eye = {.position = look->eye, .frustum_count = 1, .on_surface = true};
     eye.frustum[0] = (Plane){look->z, vec3_dot(look->z, look->eye)};
     VisResult result = vis_query(viewer->query, &eye, cell, viewer->door_open, culling);
+    if (viewer->door_words > 0 && result.eye_cell >= 0) note_doors(viewer, &result);
     for (int i = 0; i < result.object_count; i++) {
         fetch_ahead(look->viewer, result.objects + i, result.object_count - i);
         take_object(look, result.objects[i]);
@@ -464,9 +565,10 @@ static const View *look_from(Viewer *viewer, const ViewPoint *from, Culling cull
     view->y = look->y;
     view->z = look->z;
     view->by_depth = culling != CULL_NONE;
+    view->doors = NULL;
     view->face_count = view->vertex_count = view->cluster_count = viewer->key_count = 0;
     if (from->cell < 0 || culling == CULL_NONE || culling == CULL_DEPTH) {
-        for (int c = 0; c < viewer->cluster_count; c++) take_cluster(look, c);
+        for (int o = 0; o < viewer->mesh->graph->object_count; o++) take_object(look, o);
     } else if (culling == CULL_CELLS) {
         take_cells(look, from->cell);
     } else {

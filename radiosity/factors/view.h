@@ -37,8 +37,13 @@ typedef struct View {
     ViewCluster *clusters;
     int cluster_count;
     struct Viewer *viewer;
-    bool by_depth;  // faces wholly behind faces already drawn may be skipped
+    bool by_depth;          // faces wholly behind faces already drawn may be skipped
+    const uint64_t *doors;  // a bit for each opening: may its door, moved, change the view? NULL: any may
 } View;
+
+static inline bool view_has_door(const uint64_t *doors, int opening) {
+    return !doors || (doors[opening / 64] >> opening % 64 & 1);
+}
 
 // Where to look from.
 typedef struct ViewPoint {
@@ -51,6 +56,10 @@ typedef struct ViewPoint {
 typedef struct Viewer Viewer;
 // `door_open` as for mesh_build. All memory is taken here.
 Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door_open, Arena *arena);
+// To be called when the mesh was posed anew (mesh_pose).
+void viewer_pose(Viewer *viewer);
+// Words of View.doors.
+int viewer_door_words(const Viewer *viewer);
 // Valid until the next look. Allocates nothing. With CULL_NONE and CULL_DEPTH the view lists every face above the horizon. With
 // every culling but CULL_NONE the samplers may skip faces behind those already drawn. CULL_PLAN takes the squares of each cell.
 const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling);

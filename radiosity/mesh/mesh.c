@@ -64,9 +64,9 @@ static bool is_hair(const Vec3 *local, int count, double area) {
     return area < MESH_WELD * longest;
 }
 
-// Adds a face; `polygon` -1: a stand-in. `open`: of its leaf.
+// Adds a face; `polygon` -1: a stand-in.
 static void add_face(MeshBuilder *builder, FaceList *list, int object, int polygon, const Polygon *p,
-                     const Vec3 *vertices, double open) {
+                     const Vec3 *vertices) {
     Mesh *mesh = builder->mesh;
     int *corner = list->now;
     int count = weld_corners(builder, vertices + p->first_vertex, p->vertex_count, corner);
@@ -83,7 +83,6 @@ static void add_face(MeshBuilder *builder, FaceList *list, int object, int polyg
                    .object = object,
                    .material = p->material,
                    .texture_map = p->texture_map,
-                   .open = open,
                    .plane = plane,
                    .first_vertex = list->corner_count,
                    .vertex_count = count};
@@ -104,12 +103,10 @@ static void add_stand_ins(MeshBuilder *builder, FaceList *list, int object) {
     const Proxies *proxies = builder->mesh->options.proxies;
     if (!proxies || builder->mesh->options.replaced) return;
     for (int p = proxies->first[object]; p < proxies->first[object + 1]; p++)
-        add_face(builder, list, object, -1, &proxies->polygons[p], proxies->vertices, 0);
+        add_face(builder, list, object, -1, &proxies->polygons[p], proxies->vertices);
 }
 
-// `posed`: doors stand as `door_open` says; else their leaves are closed.
-static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices, bool posed,
-                      const float *door_open) {
+static void add_faces(MeshBuilder *builder, FaceList *list) {
     Mesh *mesh = builder->mesh;
     const CellGraph *graph = mesh->graph;
     mesh->face_of = ARENA_ARRAY(builder->arena, int, graph->polygon_count);
@@ -122,12 +119,10 @@ static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices
     list->local = ARENA_ARRAY(&builder->scratch, Vec3, most);
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
-        if (!vis_shown(object, door_open)) continue;
-        double open = 0;
-        if (posed && object->leaf >= 0)
-            open = door_open ? (double)door_open[graph->building->leaves[object->leaf].opening] : 1;
+        // A leaf moves by itself: it shares no place with what stands still.
+        builder->places.body = 1 + object->leaf;
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
-            if (is_taken(mesh, p)) add_face(builder, list, o, p, &graph->polygons[p], vertices, open);
+            if (is_taken(mesh, p)) add_face(builder, list, o, p, &graph->polygons[p], graph->vertices);
         add_stand_ins(builder, list, o);
     }
 }
@@ -154,6 +149,14 @@ static void find_part(Mesh *mesh, Patch *patch) {
     arena_free(&scratch);
 }
 
+int mesh_find_cell(Mesh *mesh, int index, int hint) {
+    Patch *patch = &mesh->patches[index];
+    Vec3 n = mesh->faces[patch->face].plane.n;
+    patch->cell = vis_locate(mesh->graph, vec3_add(patch->centre, vec3_scale(n, IN_FRONT)), hint);
+    if (patch->cell < 0) find_part(mesh, patch);
+    return patch->cell;
+}
+
 static void find_cells(Mesh *mesh) {
     const CellGraph *graph = mesh->graph;
     Arena scratch = {0};
@@ -162,23 +165,17 @@ static void find_cells(Mesh *mesh) {
     for (int c = 0; c < graph->cell_count; c++)
         for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++) cell_of[o] = c;
     for (int i = 0; i < mesh->patch_count; i++) {
-        Patch *patch = &mesh->patches[i];
-        const Face *face = &mesh->faces[patch->face];
-        patch->cell = cell_of[face->object];
-        if (patch->cell < 0)
-            patch->cell =
-                vis_locate(graph, vec3_add(patch->centre, vec3_scale(face->plane.n, IN_FRONT)), hint);
-        if (patch->cell >= 0)
-            hint = patch->cell;
-        else
-            find_part(mesh, patch);
-        mesh->lost_patches += patch->cell < 0;
+        int surface = cell_of[mesh->faces[mesh->patches[i].face].object];
+        mesh->patches[i].cell = surface;
+        if (surface < 0) surface = mesh_find_cell(mesh, i, hint);
+        if (surface >= 0) hint = surface;
+        mesh->lost_patches += surface < 0;
     }
     arena_free(&scratch);
 }
 
-bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
-                const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
+bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOptions *options, Arena *arena,
+                Mesh *out, Error *error) {
     CORE_ASSERT(options->element >= 0.01 && options->element <= 100);
     CORE_ASSERT(options->per_patch >= 1 && options->per_patch <= 16);
     bool stand_ins = options->proxies && !options->replaced;
@@ -187,7 +184,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     MeshBuilder builder = {.mesh = out, .arena = arena};
     FaceList list = {0};
     places_start(&builder.places, arena);
-    add_faces(&builder, &list, vertices ? vertices : graph->vertices, vertices != NULL, door_open);
+    add_faces(&builder, &list);
     bool fits = list.elements <= MOST_ELEMENTS, few_cuts = true;
     if (fits && out->face_count > 0) {
         mesh_anchor_outlines(&builder, list.corner);
@@ -197,9 +194,10 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
         if (!options->loose) mesh_anchor_elements(&builder);
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;
-        find_cells(out);
         mesh_find_reflectances(out, arena);
-        out->panes = panes_of(graph, door_open, arena);
+        mesh_find_moving(out, arena);
+        find_cells(out);
+        mesh_pose(out, door_open);
     }
     arena_free(&builder.scratch);
     arena_free(&builder.cut_arena);

@@ -52,6 +52,7 @@ typedef struct Face {
     int material;     // in Building
     int texture_map;  // in Building; 0: that of the material
     double open;      // how far the leaf that the object moves with is open, 0 .. 1
+    bool hidden;      // it plugs a door that is open: it neither hides nor receives light
     Plane plane;      // pointing to the front
     int first_vertex,
         vertex_count;     // in Mesh.outline: counter-clockwise from the front, with every vertex of another
@@ -88,6 +89,8 @@ typedef struct Patch {
         centre;  // of its area, or a point of the patch near it; where that is inside a wall, the centre of the part in `cell`
 } Patch;
 
+typedef struct MeshMoving MeshMoving;
+
 // A whole mesh. Any number of threads may read it once it is made. It lives in the arena of the call that made it; its graph must
 // outlive it.
 typedef struct Mesh {
@@ -102,7 +105,8 @@ typedef struct Mesh {
     int *squares, *shared;
     // [element_count] mean reflectances, for mesh_reflectance; NULL: of every element that of its material
     Rgb *reflectance;
-    Panes panes;  // no faces: light passes them
+    Panes panes;         // no faces: light passes them
+    MeshMoving *moving;  // what doors move (mesh_pose)
     // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
     int *face_of;
     int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count,
@@ -116,10 +120,31 @@ typedef struct Mesh {
 // An edge length for a building's elements, 0.15 to 0.33 m, aiming at about 60,000 elements: small homes get more detail, and large
 // buildings do not take too long.
 double mesh_fitting_element(const CellGraph *graph);
-// `vertices` are the graph's vertices with the doors as they stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.
+// The mesh with all doors closed, and then its doors stand as `door_open` says (mesh_pose). Elements and patches are the same whatever
+// the doors do: elements are cut along leaves that are closed.
 // Fails, with a message in `error`, where no polygon is left to receive light or the mesh would be too large.
-bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
-                const MeshOptions *options, Arena *arena, Mesh *out, Error *error);
+bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOptions *options, Arena *arena,
+                Mesh *out, Error *error);
+
+// Moves the doors, each by the share [opening_count] of its way that it is open: leaves with their elements and patches, the plugs of doors
+// that are closed to the last bit, and the panes of glazed doors. NULL: leaves are closed, and there are no plugs. Only the arrays of this
+// mesh change, and those that share them (lamps_mesh, after which this is not to be called); the same state gives the same bytes.
+void mesh_pose(Mesh *mesh, const float *door_open);
+
+// A mesh that is posed by itself: a copy of all that doors move, in the arena; the rest is shared.
+Mesh mesh_copy(const Mesh *mesh, Arena *arena);
+
+// A door that moves, and the boxes about all of it that hides or weakens light, before and after.
+typedef struct MovedDoor {
+    int opening;
+    Box box[2];
+} MovedDoor;
+typedef struct MovedDoors {
+    MovedDoor *doors;
+    int count;
+} MovedDoors;
+// Poses a mesh whose doors stand as `from` says. Other meshes of the same building are posed by themselves.
+MovedDoors mesh_move(Mesh *mesh, const float *from, const float *to, Arena *arena);
 
 // Splits for a new mesh. `patch` and `element` [element_count] give the depth wanted at each element of `mesh`, 0 (a whole root) ..
 // MESH_DEEPEST. `mesh` must have splits. An element is never larger than its patch, and in a square root it is at most twice as

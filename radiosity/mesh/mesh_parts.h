@@ -31,6 +31,12 @@ void mesh_anchor_elements(MeshBuilder *builder);
 // mesh_contacts.c: finds the cuts of all faces, after mesh_anchor_outlines. False where there are too many faces to search.
 bool mesh_find_cuts(MeshBuilder *builder);
 
+// mesh.c: finds the cell of a patch that belongs to no cell's own surfaces, -1: it is inside a wall. `hint` as for vis_locate. Where the
+// centre is inside a wall another point becomes the centre.
+int mesh_find_cell(Mesh *mesh, int patch, int hint);
+// mesh_pose.c: notes what moves, once all but the cells of patches is made.
+void mesh_find_moving(Mesh *mesh, Arena *arena);
+
 // mesh_squares.c: how far a point of the plane lies inside a convex polygon about the normal n, metres; below 0: outside.
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
 

@@ -11,6 +11,7 @@
 // Points sorted into cubes of side `size`.
 typedef struct PlaceGrid {
     const Vec3 *points;
+    const Places *places;
     double size, shift;
     unsigned slot_count;         // a power of two
     int *first;                  // [slot_count + 1] in `sorted`
@@ -33,6 +34,7 @@ typedef struct PlacesFound {
 typedef struct PlaceLink {
     int next;       // another point in the same slot, -1: none
     unsigned hash;  // of the cube that the point is in
+    int body;
 } PlaceLink;
 
 typedef struct PlaceInGrid {
@@ -91,7 +93,7 @@ void places_start(Places *places, Arena *arena) {
 // The points are scattered over memory: comparing the hashes first avoids reading most of them.
 static int find_in_cube(const Places *places, unsigned hash, Vec3 point) {
     for (int i = *slot_for(places, hash); i >= 0; i = places->links[i].next) {
-        if (places->links[i].hash != hash) continue;
+        if (places->links[i].hash != hash || places->links[i].body != places->body) continue;
         Vec3 off = vec3_sub(places->points[i], point);
         if (vec3_dot(off, off) <= MESH_WELD * MESH_WELD) return i;
     }
@@ -133,7 +135,8 @@ int places_add(Places *places, Vec3 point) {
     if (known >= 0) return known;
     int i = places->count;
     *ARENA_PUSH(places->arena, places->points, places->count, places->capacity) = point;
-    ARENA_PUSH(places->arena, places->links, i, places->link_capacity)->hash = cube_hash(home);
+    *ARENA_PUSH(places->arena, places->links, i, places->link_capacity) =
+        (PlaceLink){.hash = cube_hash(home), .body = places->body};
     if (places->count > places->slot_count)
         grow_table(places, 4 * places->slot_count);
     else
@@ -141,14 +144,19 @@ int places_add(Places *places, Vec3 point) {
     return places->count - 1;
 }
 
+int places_body(const Places *places, int place) { return places->links[place].body; }
+
 // ---- points on edges
 
 static Cube cube_in(const PlaceGrid *grid, Vec3 p) { return cube_at(p, grid->size, grid->shift); }
 
 static unsigned slot_of(const PlaceGrid *grid, Cube cube) { return cube_hash(cube) & (grid->slot_count - 1); }
 
-static PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena) {
-    PlaceGrid grid = {.points = points, .size = size, .shift = GRID_SHIFT * size, .slot_count = 1024};
+static PlaceGrid place_grid(const Places *places, double size, Arena *arena) {
+    const Vec3 *points = places->points;
+    const int count = places->count;
+    PlaceGrid grid = {
+        .points = points, .places = places, .size = size, .shift = GRID_SHIFT * size, .slot_count = 1024};
     while (grid.slot_count < (unsigned)count) grid.slot_count *= 2;
     Arena scratch = {0};
     unsigned *slot = ARENA_ARRAY(&scratch, unsigned, count);
@@ -195,6 +203,7 @@ static void find_on_edge(const PlaceGrid *grid, Cube cube, const EdgePiece *edge
         Vec3 beside = vec3_sub(off, vec3_scale(edge->along, t));
         if (vec3_dot(beside, beside) > MESH_WELD * MESH_WELD) continue;
         if (!same_cube(cube, cube_in(grid, point->at))) continue;  // another cube in the same slot
+        if (places_body(grid->places, point->place) != places_body(grid->places, edge->a)) continue;
         *ARENA_PUSH(out->arena, out->found, out->count, out->capacity) = (PlaceOnEdge){t, point->place};
     }
 }
@@ -320,8 +329,7 @@ static int anchor(MeshBuilder *builder, Rings *rings) {
     const Places *places = &builder->places;
     int groups = (rings->count + RINGS_A_GROUP - 1) / RINGS_A_GROUP, count;
     Anchoring a = {.rings = rings,
-                   .grid =
-                       place_grid(places->points, places->count, mean_edge(places->points, rings), &scratch),
+                   .grid = place_grid(places, mean_edge(places->points, rings), &scratch),
                    .grown = ARENA_ARRAY(&scratch, int, rings->count),
                    .groups = ARENA_ARRAY(&scratch, Anchored, groups)};
     parallel_for(parallel_threads(builder->mesh->options.threads), groups, anchor_group, &a);

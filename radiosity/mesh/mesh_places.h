@@ -17,10 +17,13 @@ typedef struct Places {
     int link_capacity;
     int *slots;  // [slot_count], a power of two: the last point added to each slot, -1: none
     int slot_count;
+    int body;  // the body that points are added to: those of different bodies are never one place
 } Places;
 
 void places_start(Places *places, Arena *arena);
-// The place of a point: the first place that was added within MESH_WELD of the point, else a new one.
+// The place of a point: the first place of the same body that was added within MESH_WELD of the point, else a new one.
 int places_add(Places *places, Vec3 point);
+// The body of a place.
+int places_body(const Places *places, int place);
 
 #endif

@@ -746,6 +746,7 @@ static void add_cut_patches(MeshCutting *c, int first, int end) {
 static void mesh_add_patches(MeshCutting *c) {
     Mesh *mesh = c->builder->mesh;
     Face *face = &mesh->faces[c->index];
+    c->builder->places.body = places_body(&c->builder->places, mesh->outline[face->first_vertex]);
     face->first_square = mesh->square_count;
     face->first_element = mesh->element_count;
     face->first_patch = mesh->patch_count;

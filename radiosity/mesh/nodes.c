@@ -140,3 +140,13 @@ Nodes nodes_of(const Mesh *mesh, Arena *arena) {
     arena_free(&scratch);
     return out;
 }
+
+void nodes_pose(Nodes *nodes, const Mesh *mesh) {
+    for (int n = 0; n < nodes->count; n++) {
+        const int *first = nodes->element + nodes->first[n], *end = nodes->element + nodes->first[n + 1];
+        Vec3 sum = {0, 0, 0};
+        if (mesh->graph->objects[face_of(mesh, *first)->object].leaf < 0) continue;
+        for (const int *e = first; e < end; e++) sum = vec3_add(sum, face_of(mesh, *e)->plane.n);
+        nodes->normal[n] = vec3_normalize(sum);
+    }
+}

@@ -20,6 +20,9 @@ typedef struct Nodes {
 // All nodes of a mesh, numbered in the order of the corners.
 Nodes nodes_of(const Mesh *mesh, Arena *arena);
 
+// Turns the normals of nodes on leaves, when the mesh was posed anew (mesh_pose).
+void nodes_pose(Nodes *nodes, const Mesh *mesh);
+
 // Facets belong to one curved surface if the cosine of the angle between their normals is above this: 31 degrees. Models cut a
 // circle into 12 parts or more; a chamfer turns by 45 degrees, and faces that turn more are lit too differently to share a mean.
 #define NODES_CURVED 0.857

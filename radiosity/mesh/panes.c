@@ -71,6 +71,7 @@ Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena) {
             if (!holds_glass(o, door_open, i) || vec2_equal(o->line[0], o->line[1]) || !(o->head > o->sill))
                 continue;
             Pane pane = pane_in(o);
+            pane.opening = i;
             pane.first_cell = cells;
             pane.cell_count = list_cells(graph, i, pass > 0 ? out.cells + cells : NULL);
             cells += pane.cell_count;
@@ -78,6 +79,15 @@ Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena) {
         }
     }
     return out;
+}
+
+void panes_pose(const Panes *all, const Building *building, const float *door_open, Panes *out) {
+    out->count = 0;
+    for (int i = 0; i < all->count; i++) {
+        int opening = all->panes[i].opening;
+        if (holds_glass(&building->openings[opening], door_open, opening))
+            out->panes[out->count++] = all->panes[i];
+    }
 }
 
 void pane_corners(const Pane *pane, Vec3 out[4]) {

@@ -9,6 +9,7 @@ typedef struct Pane {
     Plane plane;
     Vec3 origin, x,
         y;  // a point p of the plane is on the pane where dot(x, p - origin) and dot(y, p - origin) are in 0 .. 1
+    int opening;                 // in Building.openings
     int first_cell, cell_count;  // in Panes.cells: the cells that the pane stands in; none: not known
 } Pane;
 
@@ -22,6 +23,8 @@ typedef struct Panes {
 // One pane for each opening that is glazed: a window, or a door that is closed. A door that is open at all has none, nor has an opening
 // whose door fills it (the lifts of Doom maps are called glazed because they never block sight). `door_open` as for vis_query.
 Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena);
+// Those of `all`, which are of closed doors, where doors stand as `door_open` says, into out->panes, with room for all.
+void panes_pose(const Panes *all, const Building *building, const float *door_open, Panes *out);
 
 // The panes that light to points before a surface in a cell may pass: those that the cell may see (-1: any) and that reach before the
 // surface's plane. Into `out`, with room for all of `from`, which outlives it.

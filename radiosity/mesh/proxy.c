@@ -497,7 +497,6 @@ static const double WORTH = 0.7;
 
 typedef struct Finder {
     const CellGraph *graph;
-    const Vec3 *vertices;
     Proxies *out;
     Arena *arena;
     int polygon_capacity, vertex_capacity;
@@ -510,7 +509,7 @@ static bool polygon_emits(const CellGraph *graph, int polygon) {
 
 static bool is_fine(const Finder *f, int polygon) {
     const Polygon *p = &f->graph->polygons[polygon];
-    const Vec3 *v = f->vertices + p->first_vertex;
+    const Vec3 *v = f->graph->vertices + p->first_vertex;
     double longest = 0;
     if (vis_is_glass(f->graph, polygon) || polygon_emits(f->graph, polygon)) return false;
     for (int i = 0; i < p->vertex_count; i++)
@@ -563,7 +562,7 @@ static Model model_of(const Finder *f, const Object *object, Arena *arena) {
     for (int pass = 0; pass < 2; pass++) {
         for (int i = object->first_polygon; i < object->first_polygon + object->polygon_count; i++) {
             const Polygon *p = &f->graph->polygons[i];
-            const Vec3 *v = f->vertices + p->first_vertex;
+            const Vec3 *v = f->graph->vertices + p->first_vertex;
             bool fine = is_fine(f, i);
             if (pass == 0 && fine) add_triangles(&m, v, p->vertex_count, p->material, arena);
             for (int k = 0; pass == 1 && !fine && k < p->vertex_count; k++)
@@ -603,10 +602,10 @@ static void find_of_object(Finder *f, int index) {
     arena_free(&scratch);
 }
 
-const Proxies *proxies_find(const CellGraph *graph, const Vec3 *vertices, double tolerance, Arena *arena) {
+const Proxies *proxies_find(const CellGraph *graph, double tolerance, Arena *arena) {
     if (!(tolerance > 0)) return NULL;
     Proxies *out = ARENA_ARRAY(arena, Proxies, 1);
-    Finder f = {graph, vertices ? vertices : graph->vertices, out, arena, 0, 0};
+    Finder f = {graph, out, arena, 0, 0};
     // Rounded as .rad files store it.
     *out = (Proxies){.tolerance = nearbyint(tolerance / PROXY_STEP) * PROXY_STEP,
                      .first = ARENA_ARRAY(arena, int, graph->object_count + 1),

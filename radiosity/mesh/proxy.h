@@ -31,8 +31,8 @@ typedef struct Proxies {
     int object_count, replaced_count;  // objects that have stand-ins; polygons of the model that are replaced
 } Proxies;
 
-// `vertices` as for mesh_build. NULL where no object has enough fine polygons, or the tolerance is 0. The number of threads does
+// NULL where no object has enough fine polygons, or the tolerance is 0. The number of threads does
 // not change the result.
-const Proxies *proxies_find(const CellGraph *graph, const Vec3 *vertices, double tolerance, Arena *arena);
+const Proxies *proxies_find(const CellGraph *graph, double tolerance, Arena *arena);
 
 #endif

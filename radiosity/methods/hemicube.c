@@ -36,7 +36,7 @@ static Scene scene_of(const Mesh *mesh, Arena *arena) {
     for (int i = 0; i < mesh->outline_count; i++) vertices[i] = mesh->vertices[mesh->outline[i]];
     for (int f = 0; f < mesh->face_count; f++)
         polygons[f] = (Polygon){.first_vertex = mesh->faces[f].first_vertex,
-                                .vertex_count = mesh->faces[f].vertex_count};
+                                .vertex_count = mesh->faces[f].hidden ? 0 : mesh->faces[f].vertex_count};
     return (Scene){.polygons = polygons, .vertices = vertices, .count = mesh->face_count};
 }
 

@@ -81,7 +81,7 @@ static void add_faces(RayCaster *scene, Pieces *p) {
         if (mesh->faces[f].vertex_count > most) most = mesh->faces[f].vertex_count;
     Vec3 *corner = ARENA_ARRAY(&scratch, Vec3, most + 1);
     for (int f = 0; f < mesh->face_count; f++) {
-        int count = corners_of(mesh, &mesh->faces[f], corner);
+        int count = mesh->faces[f].hidden ? 0 : corners_of(mesh, &mesh->faces[f], corner);
         if (count >= 3) add_face(scene, f, corner, count, p);
     }
     arena_free(&scratch);

@@ -543,7 +543,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
 // ---- rounds
 
 static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
-    return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
+    return mesh_build(a->scene->graph, a->scene->door_open, options, arena, out, error);
 }
 
 static bool is_outdoors(const Mesh *mesh, int element) {

@@ -17,7 +17,6 @@ AdaptOptions adapt_default_options(void);
 // The scene from which a mesh is made.
 typedef struct AdaptScene {
     const CellGraph *graph;
-    const Vec3 *vertices;  // as for mesh_build
     const StabForest *forest;
     const float *door_open;
 } AdaptScene;

@@ -13,7 +13,7 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-enum { VERSION = 8 };
+enum { VERSION = 9 };
 
 typedef struct Header {
     DerivedHead head;

@@ -61,19 +61,21 @@ struct ShootRows {
     const float *door_open;
     Arena shared[SHARED];
     FaceLines lines;
-    const NearShapes *shapes;  // NULL: patches are points
-    Taker *takers;             // [element_count]
-    Vec3 *middles;             // [element_count] NULL: there are no panes of glass
+    NearShapes *shapes;  // NULL: patches are points
+    Taker *takers;       // [element_count]
+    Vec3 *middles;       // [element_count]
     const RadOptions *options;
     FormFactorOptions usual, of_lamps, of_small;
     int threads, slot_count, waiting_count;
-    Maker *makers;  // [threads]
-    Slot *slots;    // [slot_count]
-    int *making;    // [slot_count] those of the rows that are made at a time
-    ShootRow **of;  // [patch_count] NULL: not there
-    bool *there;    // [patch_count]
-    bool *strong;   // [patch_count]
-    bool *fine;     // [patch_count] the row has as many directions as those of lamps
+    Maker *makers;    // [threads]
+    Slot *slots;      // [slot_count]
+    int *making;      // [slot_count] those of the rows that are made at a time
+    ShootRow **of;    // [patch_count] NULL: not there
+    bool *there;      // [patch_count]
+    bool *strong;     // [patch_count]
+    bool *fine;       // [patch_count] the row has as many directions as those of lamps
+    uint64_t *doors;  // [patch_count * door_words] those that the row depends on, as in View
+    int door_words;
     bool full, settled;
     bool any_spread;  // lamps send their light by candela tables
     long long made;
@@ -118,7 +120,7 @@ static void equip_maker(void *context, int index, int thread) {
     Maker *maker = &rows->makers[index];
     if (rows->shapes)
         maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
-    maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, rows->mesh->panes.count + 1);
+    maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, rows->mesh->graph->building->opening_count + 1);
     FormFactorOptions usual = rows->usual, of_lamps = rows->of_lamps, of_small = rows->of_small;
     if (usual.day) usual.panes = of_lamps.panes = of_small.panes = &maker->panes;
     maker->form_factor = form_factor_new(method, rows->mesh, &usual, &maker->arena);
@@ -139,9 +141,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++)
         rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
-    if (mesh->panes.count > 0) rows->middles = ARENA_ARRAY(arena, Vec3, mesh->element_count);
-    for (int e = 0; e < mesh->element_count && rows->middles; e++)
-        rows->middles[e] = element_centroid(mesh, e);
+    rows->middles = ARENA_ARRAY(arena, Vec3, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++) rows->middles[e] = element_centroid(mesh, e);
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
     if (daylight_shines(day)) rows->usual.day = day;
@@ -161,6 +162,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->fine = ARENA_ARRAY(arena, bool, mesh->patch_count);
+    rows->door_words = viewer_door_words(rows->makers[0].viewer);
+    rows->doors = ARENA_ARRAY(arena, uint64_t, (size_t)mesh->patch_count * (size_t)rows->door_words + 1);
     rows->full = options->row_bytes == 0;
     // So that a byte tells which element of its patch one is.
     for (int p = 0; p < mesh->patch_count; p++)
@@ -395,6 +398,8 @@ static void make_row(void *context, int index, int thread) {
     bool spread = mesh_spread(rows->mesh, patch->face) != NULL;
     const Row *row = spread ? spread_row(maker->spreads, maker->viewer, rows->options->culling, slot->patch)
                             : form_factor_row(form_factor, view);
+    uint64_t *doors = rows->doors + (size_t)slot->patch * (size_t)rows->door_words;
+    for (int i = 0; i < rows->door_words; i++) doors[i] = view->doors ? view->doors[i] : UINT64_MAX;
     // A row may list more faces.
     maker->faces += view->face_count;
     if (maker->near && !spread) row = near_pairs_row(maker->near, slot->patch, row);
@@ -438,6 +443,102 @@ void shoot_rows_refine(ShootRows *rows, int patch) {
     rows->of[patch] = NULL;
     rows->there[patch] = false;
     rows->fine[patch] = true;
+}
+
+// ---- doors
+
+// Reaches the box above the horizon of a patch?
+static bool is_before(const Mesh *mesh, const Patch *patch, Box box) {
+    Vec3 n = mesh->faces[patch->face].plane.n, c = patch->centre;
+    if (box_is_empty(box)) return false;
+    double x = n.x > 0 ? box.max.x : box.min.x, y = n.y > 0 ? box.max.y : box.min.y,
+           z = n.z > 0 ? box.max.z : box.min.z;
+    return n.x * (x - c.x) + n.y * (y - c.y) + n.z * (z - c.z) > 0;
+}
+
+// Does the row of a patch depend on a door that moved? That of a patch on its leaf does.
+static bool row_moves(const ShootRows *rows, int index, const MovedDoors *moved) {
+    const Mesh *mesh = rows->mesh;
+    const Patch *patch = &mesh->patches[index];
+    const uint64_t *doors = rows->doors + (size_t)index * (size_t)rows->door_words;
+    int leaf = mesh->graph->objects[mesh->faces[patch->face].object].leaf;
+    for (int i = 0; i < moved->count; i++) {
+        const MovedDoor *door = &moved->doors[i];
+        if (leaf >= 0 && mesh->graph->building->leaves[leaf].opening == door->opening) return true;
+        if (view_has_door(doors, door->opening) &&
+            (is_before(mesh, patch, door->box[0]) || is_before(mesh, patch, door->box[1])))
+            return true;
+    }
+    return false;
+}
+
+// Memory of rows that were dropped is given back once it is this share of all.
+static const double MOST_GAPS = 0.25;
+
+static size_t bytes_there(const ShootRows *rows) {
+    size_t bytes = 0;
+    for (int p = 0; p < rows->mesh->patch_count; p++)
+        if (rows->of[p]) bytes += row_bytes(rows->of[p]->run_count, rows->of[p]->element_count);
+    return bytes;
+}
+
+// Copies the rows that are there to memory without gaps.
+static void close_gaps(ShootRows *rows) {
+    Arena scratch = {0};
+    Arena *before = ARENA_ARRAY(&scratch, Arena, rows->threads);
+    for (int t = 0; t < rows->threads; t++) {
+        Maker *maker = &rows->makers[t];
+        before[t] = maker->kept;
+        maker->kept = (Arena){0};
+        maker->block_left = maker->kept_bytes = 0;
+        maker->kept_count = 0;
+    }
+    for (int p = 0; p < rows->mesh->patch_count; p++) {
+        const ShootRow *row = rows->of[p];
+        if (!row) continue;
+        size_t bytes = row_bytes(row->run_count, row->element_count);
+        ShootRow *to =
+            keep(rows, &rows->makers[(long long)p * rows->threads / rows->mesh->patch_count], bytes);
+        rows->of[p] = to;
+        rows->there[p] = to != NULL;
+        if (!to) continue;
+        memcpy(to, row, bytes);
+        place_row(to, row->run_count, row->element_count);
+    }
+    for (int t = 0; t < rows->threads; t++) arena_free(&before[t]);
+    rows->full = rows->options->row_bytes == 0;
+    arena_free(&scratch);
+}
+
+static void move_middles(ShootRows *rows) {
+    const Mesh *mesh = rows->mesh;
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        int end = face->first_element + face->element_count;
+        if (mesh->graph->objects[face->object].leaf < 0) continue;
+        for (int e = face->first_element; e < end; e++) rows->middles[e] = element_centroid(mesh, e);
+    }
+}
+
+int shoot_rows_move(ShootRows *rows, const MovedDoors *moved) {
+    int dropped = 0;
+    size_t kept = 0;
+    for (int i = 0; rows->waiting_count > 0; i++)
+        if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
+    for (int p = 0; p < rows->mesh->patch_count; p++) {
+        if (!rows->of[p] || !row_moves(rows, p, moved)) continue;
+        rows->of[p] = NULL;
+        rows->there[p] = false;
+        dropped++;
+    }
+    for (int t = 0; t < rows->threads; t++) {
+        viewer_pose(rows->makers[t].viewer);
+        kept += rows->makers[t].kept_bytes;
+    }
+    if ((double)bytes_there(rows) < (1 - MOST_GAPS) * (double)kept) close_gaps(rows);
+    move_middles(rows);
+    if (rows->shapes) near_shapes_pose(rows->shapes, rows->mesh);
+    return dropped;
 }
 
 void shoot_rows_make(ShootRows *rows, int *patches, int count) {

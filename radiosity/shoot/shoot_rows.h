@@ -37,6 +37,10 @@ bool shoot_rows_settled(const ShootRows *rows);
 // [patch_count]
 const bool *shoot_rows_strong(const ShootRows *rows);
 
+// Doors have moved: the mesh is posed already (mesh_move), and so is the caller's `door_open`. Drops the rows of patches that may see one
+// of these doors, and returns how many.
+int shoot_rows_move(ShootRows *rows, const MovedDoors *moved);
+
 // Drops the row of a patch, if it is there: the next one has as many directions as those of lamps.
 void shoot_rows_refine(ShootRows *rows, int patch);
 

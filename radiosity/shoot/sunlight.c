@@ -122,7 +122,7 @@ static void project_faces(SunScene *s, Arena *arena) {
         for (int i = 0; i < face->vertex_count; i++)
             corner[i] = to_sun(s, mesh->vertices[mesh->outline[face->first_vertex + i]]);
         if (!out->front) reverse(corner, out->count);
-        if (fabs(slope) > EDGE_ON) out->area = twice_area(corner, out->count) / 2;
+        if (fabs(slope) > EDGE_ON && !face->hidden) out->area = twice_area(corner, out->count) / 2;
         boxes[f] = out->area > 0 ? box_of(corner, out->count) : box_empty();
     }
     s->tree = box_tree_build(boxes, mesh->face_count, arena);

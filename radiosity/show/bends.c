@@ -32,6 +32,7 @@ struct Bend {
     int axis;  // of the face's grid, along which the part is halved
     // The share that linear light is off times the area, m^2: the largest of this part and its halves
     double error;
+    Bend *next;     // of the same part in another state of the light, along another axis; NULL
     Bend *half[2];  // NULL: a half that is not halved again
 };
 
@@ -232,6 +233,28 @@ Bend *bend_find(BendFinder *f, const Mesh *mesh, int element, double (*corner)[3
     return find_in(f, &span, v, e->corner_count, 1);
 }
 
+static Bend *bend_copy(const Bend *bend, Arena *arena) {
+    if (!bend) return NULL;
+    Bend *out = ARENA_ARRAY(arena, Bend, 1);
+    *out = *bend;
+    out->next = bend_copy(bend->next, arena);
+    for (int k = 0; k < 2; k++) out->half[k] = bend_copy(bend->half[k], arena);
+    return out;
+}
+
+Bend *bend_join(Bend *bend, const Bend *other, Arena *arena) {
+    if (!bend || !other) return bend ? bend : bend_copy(other, arena);
+    Bend *along = bend, *last = bend;
+    for (; along && along->axis != other->axis; along = along->next) last = along;
+    if (!along) {
+        last->next = bend_copy(other, arena);
+        return bend;
+    }
+    along->error = fmax(along->error, other->error);
+    for (int k = 0; k < 2; k++) along->half[k] = bend_join(along->half[k], other->half[k], arena);
+    return bend;
+}
+
 // ---- splits
 
 typedef struct Wants {
@@ -242,13 +265,16 @@ typedef struct Wants {
 
 static void want_part(const Wants *w, const Bend *bend, const Span *s, const double box[4], int along[2]) {
     if (s->low[0] >= box[2] || s->high[0] <= box[0] || s->low[1] >= box[3] || s->high[1] <= box[1]) return;
-    if (bend && bend->error > w->least) {
+    bool whole = true;
+    for (; bend; bend = bend->next) {
+        if (bend->error <= w->least) continue;
         for (int k = 0; k < 2; k++) {
             Span half = half_of(s, bend->axis, k);
             want_part(w, bend->half[k], &half, box, along);
         }
-        return;
+        whole = false;
     }
+    if (!whole) return;
     for (int axis = 0; axis < 2; axis++)
         along[axis] = s->depth[axis] > along[axis] ? s->depth[axis] : along[axis];
 }
@@ -289,6 +315,7 @@ static void list_errors(const Bend *bend, double *errors, int *count) {
     if (errors) errors[*count] = bend->error;
     ++*count;
     for (int k = 0; k < 2; k++) list_errors(bend->half[k], errors, count);
+    list_errors(bend->next, errors, count);
 }
 
 static int largest_first(const void *a, const void *b) {

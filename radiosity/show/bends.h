@@ -40,6 +40,10 @@ Bend *bend_find(BendFinder *finder, const Mesh *mesh, int element, double (*corn
 // The points at which the last search looked, those at the middles and corners of all parts among them; valid until the next one.
 const BendPoint *bend_points(const BendFinder *finder, int *count);
 
+// The bends of an element in one more state of the light, copied into the arena: a finer mesh is then as fine as each of the states asks
+// for. Either may be NULL; `bend` changes.
+Bend *bend_join(Bend *bend, const Bend *other, Arena *arena);
+
 // Splits of a finer mesh: as deep as the elements of the mesh, as their bends [element_count] ask for, and halved so often as `halved`
 // [element_count] says (NULL: not at all). Where bends would take more than `most` further elements, those that are least off are left
 // out. NULL: nothing bends or is halved.

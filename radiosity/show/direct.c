@@ -29,6 +29,8 @@ static const double DARK = 0.01;
 static const double MOST_ADDED = 1;
 // And so many more under a sun, whose shadows have edges that are sharp wherever they pass. Homes take 10,000 to 20,000.
 static const double MOST_ADDED_BY_SUN = 30000;
+// Where light is to be shown in several states of the doors, bends of all of them may add so many times as many.
+static const double DOORS_ADD = 3;
 // Nodes are lifted by this share of what linear light between them is below the light at the middle of elements: so the mean of the
 // two is the same where light is bent like a parabola. Where it is off by more than MOST_LIFT of all light there, at edges of shadows, they
 // are left as they are.
@@ -149,11 +151,20 @@ struct DirectSources {
     int day, threads;
     Showing show;       // of all light
     const Mesh *shown;  // the mesh that shows it
+    Mesh *finer;        // the same where it is not the mesh of the elements, NULL
     Nodes nodes;        // of that
     PartRows parts;
     const PointSources **node;    // [nodes.count]
+    const PointSources **corner;  // [corners that show the light]
     const PointSources **middle;  // [elements that show the light]
+    bool *middle_known;           // [elements that show the light]
     bool *lifts;                  // [elements that show the light] its nodes are lifted
+    float *besides;  // [elements that show the light] other light, against which lifts are seen, W/m^2
+    size_t used;     // memory of `kept` when it was tidied last, bytes
+    Mesh *moving;    // NULL: doors do not move
+    const float *const *state;  // [state_count] of doors
+    int state_count;
+    Daylight weather;  // the day that shone
 };
 
 DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena) {
@@ -170,6 +181,12 @@ void direct_sources_end(DirectSources *sources) {
     for (int t = 0; t < sources->threads; t++) arena_free(&sources->kept[t]);
     part_rows_end(&sources->parts);
     arena_free(&sources->arena);
+}
+
+void direct_sources_doors(DirectSources *sources, Mesh *mesh, const float *const *state, int count) {
+    sources->moving = mesh;
+    sources->state = state;
+    sources->state_count = count;
 }
 
 static void tell_sources_apart(Direct *d, const DirectSources *sources) {
@@ -206,6 +223,23 @@ static void lift_all(const Lift *lift, const Nodes *nodes, double (*at_node)[3])
                 fmax(at_node[n][c] + (lift->count[n] > 0 ? lift->sum[n][c] / lift->count[n] : 0), 0);
 }
 
+// The light of an element by which its nodes are lifted, from that at its middle; false: the middle is off by too much, as at edges of
+// shadows.
+static bool find_lift(const Mesh *shown, const Nodes *nodes, double (*at_node)[3], int e,
+                      const double middle[3], double besides, double off[3]) {
+    double linear[3], rho[3], light = besides, gap = 0;
+    linear_mean(shown, nodes, at_node, e, linear);
+    rgb_doubles(mesh_material(shown, shown->elements[e].face)->reflectance, rho);
+    for (int c = 0; c < 3; c++) {
+        off[c] = middle[c] - linear[c];
+        light += rho[c] * middle[c];
+        gap += rho[c] * off[c];
+    }
+    bool lifts = fabs(gap) <= MOST_LIFT * light;
+    if (!lifts) off[0] = off[1] = off[2] = 0;
+    return lifts;
+}
+
 // Lifts nodes so that light between them is right in the mean. `d` knows the light within the elements of its mesh, in which those
 // of `shown` lie. Tells `sources`, or NULL, where it does.
 static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, double (*at_node)[3],
@@ -217,25 +251,20 @@ static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, d
         const Within *within = &d->within[in];
         const double *middle = within->middle;
         const PointSources *by = within->middle_by;
-        double linear[3], rho[3], off[3] = {0, 0, 0}, light = d->besides[in], gap = 0;
+        double off[3] = {0, 0, 0};
         if (within->points) {
             const BendPoint *at =
                 direct_find_point(within->points, within->count, element_centroid(shown, e));
             middle = at ? at->irradiance : NULL;
             by = at && within->by ? within->by[at - within->points] : NULL;
         }
-        if (middle && within->middle_known) {
-            linear_mean(shown, nodes, at_node, e, linear);
-            rgb_doubles(mesh_material(shown, shown->elements[e].face)->reflectance, rho);
-            for (int c = 0; c < 3; c++) {
-                off[c] = middle[c] - linear[c];
-                light += rho[c] * middle[c];
-                gap += rho[c] * off[c];
-            }
-            bool lifts = fabs(gap) <= MOST_LIFT * light;
-            if (!lifts) off[0] = off[1] = off[2] = 0;
-            if (sources) sources->lifts[e] = lifts;
-            if (sources) sources->middle[e] = by;
+        bool known = middle && within->middle_known;
+        bool lifts = known && find_lift(shown, nodes, at_node, e, middle, d->besides[in], off);
+        if (sources) {
+            sources->besides[e] = (float)d->besides[in];
+            sources->middle_known[e] = known;
+            sources->lifts[e] = lifts;
+            sources->middle[e] = known ? by : NULL;
         }
         lift_element(&lift, shown, nodes, e, off);
     }
@@ -243,25 +272,28 @@ static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, d
     arena_free(&scratch);
 }
 
-static void put_source(const PointSources *by, int source, double out[3]) {
+// The irradiance of a state of the sources.
+static void put_sources(const PointSources *by, double (*share)[3], double out[3]) {
     out[0] = out[1] = out[2] = 0;
-    for (int i = 0; by && i < by->count; i++)
-        for (int c = 0; c < 3 && by->by[i].source == source; c++) out[c] = (double)by->by[i].light[c];
+    for (int i = 0; by && i < by->count; i++) {
+        const double *of = share[by->by[i].source];
+        for (int c = 0; c < 3; c++) out[c] += of[c] * (double)by->by[i].light[c];
+    }
 }
 
-// The irradiance of one source at the nodes.
-static void source_at_nodes(const DirectSources *s, const Mesh *shown, int source, double (*out)[3]) {
+// The same at the nodes.
+static void sources_at_nodes(const DirectSources *s, double (*share)[3], double (*out)[3]) {
     Arena scratch = {0};
     Lift lift = lift_new(&s->nodes, &scratch);
-    for (int n = 0; n < s->nodes.count; n++) put_source(s->node[n], source, out[n]);
-    for (int e = 0; e < shown->element_count; e++) {
+    for (int n = 0; n < s->nodes.count; n++) put_sources(s->node[n], share, out[n]);
+    for (int e = 0; e < s->shown->element_count; e++) {
         double middle[3], linear[3], off[3] = {0, 0, 0};
         if (s->lifts[e]) {
-            put_source(s->middle[e], source, middle);
-            linear_mean(shown, &s->nodes, out, e, linear);
+            put_sources(s->middle[e], share, middle);
+            linear_mean(s->shown, &s->nodes, out, e, linear);
             for (int c = 0; c < 3; c++) off[c] = middle[c] - linear[c];
         }
-        lift_element(&lift, shown, &s->nodes, e, off);
+        lift_element(&lift, s->shown, &s->nodes, e, off);
     }
     lift_all(&lift, &s->nodes, out);
     arena_free(&scratch);
@@ -301,6 +333,12 @@ static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[
     return good;
 }
 
+static void keep_corners(DirectSources *sources, const Direct *d) {
+    size_t bytes = (size_t)d->mesh->corner_count * sizeof *d->corner_by;
+    sources->corner = arena_alloc(&sources->arena, (size_t)d->mesh->corner_count + 1, sizeof *d->corner_by);
+    memcpy(sources->corner, d->corner_by, bytes);
+}
+
 // Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh; d's workers end.
 static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
                         RadReport *report) {
@@ -313,7 +351,8 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
     bool good = true;
     if (sources) {
         by = arena_alloc(&sources->arena, (size_t)nodes->count + 1, sizeof *by);
-        direct_node_sources(d, by);
+        direct_node_sources(d, false, by);
+        keep_corners(sources, d);
     }
     if (shown != mesh) {
         Arena own = {0};
@@ -327,7 +366,8 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
         good = direct_light(&finer, s->threads, s->progress, irradiance, report);
         if (good && sources) {
             by = arena_alloc(&sources->arena, (size_t)finer_nodes.count + 1, sizeof *by);
-            direct_node_sources(&finer, by);
+            direct_node_sources(&finer, false, by);
+            keep_corners(sources, &finer);
         }
         direct_end(&finer);
         arena_free(&own);
@@ -337,6 +377,8 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
     if (sources) {
         sources->node = by;
         sources->lifts = ARENA_ARRAY(&sources->arena, bool, shown->element_count + 1);
+        sources->middle_known = ARENA_ARRAY(&sources->arena, bool, shown->element_count + 1);
+        sources->besides = ARENA_ARRAY(&sources->arena, float, shown->element_count + 1);
         sources->middle = arena_alloc(&sources->arena, (size_t)shown->element_count + 1, sizeof *by);
     }
     if (good) lift_nodes(d, shown, nodes, at_node, sources);
@@ -344,6 +386,40 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
     good = good && store_nodes(s, nodes, at_node, arena, out);
     arena_free(&scratch);
     return good;
+}
+
+// Bends of light where doors stand otherwise.
+static bool find_bends_of_doors(Direct *d, const Showing *show, Arena *arena) {
+    const DirectSources *sources = show->sources;
+    bool go_on = true;
+    for (int i = 0; sources && i < sources->state_count && go_on; i++) {
+        Arena scratch = {0};
+        Direct other;
+        RadReport work = {0};
+        Mesh *mesh = sources->moving;
+        Nodes nodes = *d->nodes;
+        MovedDoors moved = mesh_move(mesh, show->door_open, sources->state[i], &scratch);
+        if (moved.count > 0) {
+            double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
+            nodes.normal = ARENA_ARRAY(&scratch, Vec3, nodes.count + 1);
+            memcpy(nodes.normal, d->nodes->normal, (size_t)nodes.count * sizeof *nodes.normal);
+            nodes_pose(&nodes, mesh);
+            direct_start(&other, mesh, show->forest, &nodes, &show->solution->day, &scratch);
+            other.lamps = d->lamps;
+            other.besides = d->besides;
+            other.usual = d;
+            other.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
+            other.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
+            direct_settle(&other, &moved, &show->solution->day, show->threads);
+            go_on = direct_light(&other, show->threads, show->progress, at_node, &work);
+            for (int e = 0; e < mesh->element_count; e++)
+                d->bends[e] = bend_join(d->bends[e], other.bends[e], arena);
+            direct_end(&other);
+        }
+        mesh_pose(mesh, show->door_open);
+        arena_free(&scratch);
+    }
+    return go_on;
 }
 
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
@@ -389,9 +465,11 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
         good = direct_light(&d, threads, progress, at_node, report);
         if (good) {
             double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
+            if (sources && sources->state_count > 0) most *= DOORS_ADD;
             if (solution->gathered && mesh->options.splits)
                 show.halved = reflected_depths(mesh, &nodes, solution, lasting);
-            splits = bend_splits(mesh, d.bends, show.halved, most, arena);
+            good = find_bends_of_doors(&d, &show, &scratch);
+            splits = good ? bend_splits(mesh, d.bends, show.halved, most, arena) : NULL;
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, lasting, finer, &error);
@@ -401,6 +479,8 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
         if (good) *solution = out;
         if (good && sources) {
             sources->shown = show.shown;
+            sources->weather = solution->day;
+            sources->finer = is_finer ? finer : NULL;
             sources->show = show;
             sources->nodes = nodes_of(show.shown, lasting);
         }
@@ -410,8 +490,8 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
     return good;
 }
 
-bool direct_show_source(DirectSources *s, int source, const Mesh *lit, const Progress *progress, Arena *arena,
-                        RadSolution *solution) {
+bool direct_show_source(DirectSources *s, double (*share)[3], const Mesh *lit, const Progress *progress,
+                        Arena *arena, RadSolution *solution) {
     Arena scratch = {0};
     RadSolution rest = other_light(lit, solution, s->show.lamps, solution->sun, true, &scratch),
                 out = *solution;
@@ -422,9 +502,98 @@ bool direct_show_source(DirectSources *s, int source, const Mesh *lit, const Pro
     show.solution = solution;
     show.rest = &rest;
     show.progress = progress;
-    source_at_nodes(s, s->shown, source, at_node);
+    sources_at_nodes(s, share, at_node);
     bool good = store_nodes(&show, &s->nodes, at_node, arena, &out);
     if (good) *solution = out;
     arena_free(&scratch);
     return good;
+}
+
+// ---- doors
+
+// Sources of points whose light was found anew are forgotten; their memory is given back once it is most of all.
+static void tidy(DirectSources *s) {
+    size_t used = 0;
+    for (int t = 0; t < s->threads; t++) used += s->kept[t].used;
+    if (s->used == 0) s->used = used;
+    if (used <= 2 * s->used) return;
+    Arena scratch = {0}, kept = {0};
+    const PointSources **all[] = {s->corner, s->node, s->middle};
+    const int count[] = {s->shown->corner_count, s->nodes.count, s->shown->element_count};
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < count[k]; i++) {
+            PointSources *from = (PointSources *)all[k][i], *to;
+            if (!from) continue;
+            // Sources that were moved tell where to.
+            if (from->count < 0) {
+                memcpy(&to, from->by, sizeof to);
+            } else {
+                size_t bytes = sizeof *from + (size_t)from->count * sizeof *from->by;
+                to = arena_alloc(&kept, bytes, 1);
+                memcpy(to, from, bytes);
+                from->count = -1;
+                memcpy(from->by, &to, sizeof to);
+            }
+            all[k][i] = to;
+        }
+    }
+    for (int t = 0; t < s->threads; t++) arena_free(&s->kept[t]);
+    s->kept[0] = kept;
+    s->used = kept.used;
+    arena_free(&scratch);
+}
+
+// Elements of patches that are not settled are lifted by their new middles, where they may be lifted at all.
+static void lift_anew(DirectSources *s, const Direct *d) {
+    Arena scratch = {0};
+    double(*share)[3] = arena_alloc(&scratch, (size_t)s->day + 1, sizeof *share),
+    (*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
+    for (int i = 0; i <= s->day; i++) share[i][0] = share[i][1] = share[i][2] = 1;
+    for (int n = 0; n < s->nodes.count; n++) put_sources(s->node[n], share, at_node[n]);
+    for (int e = 0; e < s->shown->element_count; e++) {
+        double middle[3], off[3];
+        if (d->settled[s->shown->elements[e].patch]) continue;
+        put_sources(s->middle[e], share, middle);
+        s->lifts[e] = s->middle_known[e] &&
+                      find_lift(s->shown, &s->nodes, at_node, e, middle, (double)s->besides[e], off);
+    }
+    arena_free(&scratch);
+}
+
+const Mesh *direct_sources_shown(const DirectSources *s) { return s->shown; }
+
+// Where no lamp is before a patch any more, nothing is found anew: what was there goes.
+static void forget_touched(Direct *d) {
+    for (int e = 0; e < d->mesh->element_count; e++) {
+        const Element *element = &d->mesh->elements[e];
+        if (d->settled[element->patch]) continue;
+        direct_forget(d, element->patch, &d->middle_by[e]);
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
+            direct_forget(d, element->patch, &d->corner_by[c]);
+    }
+}
+
+long long direct_sources_move(DirectSources *s, const MovedDoors *moved, const float *to) {
+    Arena scratch = {0};
+    Direct d;
+    RadReport report = {0};
+    part_rows_move(&s->parts, s->shown->graph->building, moved);
+    if (s->finer) mesh_pose(s->finer, to);
+    nodes_pose(&s->nodes, s->shown);
+    direct_start(&d, s->shown, s->show.forest, &s->nodes, &s->weather, &scratch);
+    d.lamps = s->show.lamps;
+    tell_sources_apart(&d, s);
+    direct_settle(&d, moved, &s->weather, s->threads);
+    d.corner_by = s->corner;
+    d.middle_by = s->middle;
+    forget_touched(&d);
+    d.middle_wanted = s->middle_known;
+    double(*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
+    direct_light(&d, s->threads, NULL, at_node, &report);
+    direct_node_sources(&d, true, s->node);
+    lift_anew(s, &d);
+    direct_end(&d);
+    arena_free(&scratch);
+    tidy(s);
+    return report.direct_points;
 }

@@ -21,6 +21,14 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 typedef struct DirectSources DirectSources;
 DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena);
 void direct_sources_end(DirectSources *sources);
+// Doors will move: what shows the light is to be as fine as light in each of these states of the doors asks for, `state` [count], each
+// [opening_count]. Before direct_show_apart, which moves the doors of `mesh` there and back.
+void direct_sources_doors(DirectSources *sources, Mesh *mesh, const float *const *state, int count);
+// After direct_show_apart: doors of the mesh have moved (mesh_move), to `to`. Finds anew what light straight from the
+// sources may pass them, and drops rows that may see them. Returns the number of points found anew.
+long long direct_sources_move(DirectSources *sources, const MovedDoors *moved, const float *to);
+// The mesh that shows the light, with its doors where they are now.
+const Mesh *direct_sources_shown(const DirectSources *sources);
 
 // Stores the light at each node of a finer mesh in solution->node, and the splits of that mesh in solution->shown, allocated in the
 // arena: exact light straight from lamps and the sun of solution->day, and all other light as the elements tell it. Elements are halved
@@ -34,9 +42,10 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
                        const Progress *progress, Arena *arena, RadSolution *solution, DirectSources *sources,
                        RadReport *report);
 
-// The same for one source alone, on the same nodes: `solution`, gathered, is its light, and `lit` the mesh with this source alone. The
-// first call comes for the day, if it shines. All sources together are the light of all.
-bool direct_show_source(DirectSources *sources, int source, const Mesh *lit, const Progress *progress,
+// The same for a state of the sources, on the same nodes: `solution`, gathered, is the light of that state, `lit` the mesh in it, and
+// `share` [sources] what each source sends of its full light. If the day shines, the first call is one in which it does. Sums of states
+// are the light of sums.
+bool direct_show_source(DirectSources *sources, double (*share)[3], const Mesh *lit, const Progress *progress,
                         Arena *arena, RadSolution *solution);
 
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.

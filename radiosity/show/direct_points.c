@@ -98,8 +98,9 @@ typedef struct DirectWorker {
     bool sampled;         // not all faces of a lamp were asked
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
-    SunPatch *sun;    // NULL: there is no sun
-    SourceLight *by;  // of the point at hand, where sources are told apart
+    SunPatch *sun;            // NULL: there is no sun
+    const uint64_t *touched;  // of the patch at hand, as in Direct; NULL: all sources
+    SourceLight *by;          // of the point at hand, where sources are told apart
     int by_count, by_capacity;
     AskedPoint *asked;  // in the element at hand
     int asked_count, asked_capacity;
@@ -511,8 +512,11 @@ bool direct_corner_counts(const Direct *d, int element, int corner, Vec3 *toward
 
 // ---- what each source gives
 
+static bool has_bit(const uint64_t *bits, int i) { return !bits || (bits[i / 64] >> i % 64 & 1); }
+
 static void note_source(Worker *w, int source, const double light[3]) {
     int i = w->by_count;
+    if (!has_bit(w->touched, source)) return;
     while (i > 0 && w->by[i - 1].source != source) i--;
     if (i == 0) {
         w->by = arena_room(&w->arena, w->by, sizeof *w->by, w->by_count, w->by_count + 1, &w->by_capacity);
@@ -522,8 +526,13 @@ static void note_source(Worker *w, int source, const double light[3]) {
     for (int c = 0; c < 3; c++) w->by[i - 1].light[c] += (float)light[c];
 }
 
-// Keeps the sources of the point at hand.
-static const PointSources *keep_sources(Worker *w) {
+// Keeps the sources of the point at hand, and of `before` those that are not looked for now.
+static const PointSources *keep_sources(Worker *w, const PointSources *before) {
+    for (int i = 0; before && w->touched && i < before->count; i++) {
+        if (has_bit(w->touched, before->by[i].source)) continue;
+        w->by = arena_room(&w->arena, w->by, sizeof *w->by, w->by_count, w->by_count + 1, &w->by_capacity);
+        w->by[w->by_count++] = before->by[i];
+    }
     if (w->by_count == 0) return NULL;
     size_t bytes = sizeof(PointSources) + (size_t)w->by_count * sizeof *w->by;
     PointSources *out = arena_alloc(w->kept, bytes, 1);
@@ -591,7 +600,7 @@ static void light_of_bent(void *context, Vec3 point, double out[3]) {
     if (!b->d->source_of) return;
     w->asked = arena_room(&w->arena, w->asked, sizeof *w->asked, w->asked_count, w->asked_count + 1,
                           &w->asked_capacity);
-    w->asked[w->asked_count++] = (AskedPoint){point, keep_sources(w)};
+    w->asked[w->asked_count++] = (AskedPoint){point, keep_sources(w, NULL)};
 }
 
 static bool edge_of_bent(void *context, const Vec3 *corner, int count) {
@@ -638,6 +647,27 @@ static void collect_corners(const Direct *d, Worker *w, const Frame *frame, int 
     }
 }
 
+// Light that differs by less than this share is the same.
+static const double SAME_LIGHT = 1e-4;
+
+static bool same_light(const double a[3], const double b[3]) {
+    for (int c = 0; c < 3; c++)
+        if (fabs(a[c] - b[c]) > SAME_LIGHT * fmax(a[c], b[c])) return false;
+    return true;
+}
+
+// Is the light at the corners and the middle of an element the same as usual?
+static bool is_usual(const Direct *d, Bent *bent, int e, Vec3 middle) {
+    const Element *element = &d->mesh->elements[e];
+    const Within *within = &d->usual->within[e];
+    double light[3] = {0, 0, 0};
+    if (!within->looked) return false;
+    for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
+        if (!same_light(d->at_corner[c], d->usual->at_corner[c])) return false;
+    light_of_bent(bent, middle, light);
+    return same_light(light, within->seemed);
+}
+
 // `sun`: what the patch has of it.
 static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first, int sun) {
     const Element *element = &d->mesh->elements[e];
@@ -646,15 +676,21 @@ static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int
     BendLight light = {.at = light_of_bent, .context = &bent, .rest = d->besides[e]};
     rgb_doubles(mesh_material(d->mesh, element->face)->reflectance, light.reflectance);
     if ((w->before_count == first && sun != SUN_PARTLY) || rgb_sum(light.reflectance) == 0) return;
+    if (d->usual && is_usual(d, &bent, e, middle)) return;
     collect_corners(d, w, frame, e, group, first, sun);
     if (sun == SUN_PARTLY && edge_in_element(d, w, e)) light.edge = edge_of_bent;
     w->sampled = false;
     w->asked_count = 0;
     d->bends[e] = bend_find(w->finder, d->mesh, e, w->light, &light, &w->bends);
-    if (w->sampled) return;
     Within *within = &d->within[e];
     const BendPoint *points = bend_points(w->finder, &within->count),
                     *at = direct_find_point(points, within->count, middle);
+    within->looked = at != NULL;
+    if (at) memcpy(within->seemed, at->irradiance, sizeof within->seemed);
+    if (w->sampled) {
+        within->count = 0;
+        return;
+    }
     within->middle_known = at != NULL;
     if (at) memcpy(within->middle, at->irradiance, sizeof within->middle);
     if (at && d->source_of) within->middle_by = sources_asked(w, at->point);
@@ -678,10 +714,35 @@ static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e,
         if (!direct_corner_counts(d, e, c, &towards)) continue;
         if (!d->known || !d->known[c]) {
             light_corner(d, w, frame, c, towards, first, sun, d->at_corner[c]);
-            if (d->source_of) d->corner_by[c] = keep_sources(w);
+            if (d->source_of) d->corner_by[c] = keep_sources(w, d->corner_by[c]);
         }
         w->of_node[d->nodes->of_corner[c]] = (NodeLight){group + 1, c};
     }
+}
+
+// The sources of light at the centroid of an element.
+static void light_middle(const Direct *d, Worker *w, const Frame *frame, int e, int first, int sun) {
+    double light[3] = {0, 0, 0};
+    Vec3 at = to_frame(frame, element_centroid(d->mesh, e));
+    at.z = 0;
+    light_point(d, w, first, w->before_count, at, INT_MAX / 2, light);
+    if (sun != SUN_DARK) add_sun(d, w, from_frame(frame, at), light);
+    d->middle_by[e] = keep_sources(w, d->middle_by[e]);
+}
+
+// ---- sources that are looked for
+
+static const uint64_t *touched_of(const Direct *d, int patch) {
+    return d->touched ? d->touched + (size_t)patch * (size_t)d->touched_words : NULL;
+}
+
+// Is an object of lamps to be asked for one of the patches first .. end - 1?
+static bool is_asked(const Direct *d, int lamp, int first, int end) {
+    const LampObject *l = &d->lamp_objects[lamp];
+    if (!d->touched || l->source < 0) return true;
+    for (int p = first; p < end; p++)
+        if (has_bit(touched_of(d, p), l->source)) return true;
+    return false;
 }
 
 // Patches first .. end - 1, which share what is before them.
@@ -693,13 +754,16 @@ static void light_patches(const Direct *d, Worker *w, const Frame *frame, int gr
     bound_patches(d, frame, first_patch, end - first_patch, rectangle);
     for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
     for (int k = 0; k < lamps; k++)
-        narrow(d, w, there, rectangle, mesh->patches[first_patch].face, w->before[k]);
+        if (is_asked(d, w->before[k].object, first_patch, end))
+            narrow(d, w, there, rectangle, mesh->patches[first_patch].face, w->before[k]);
     for (int p = first_patch; p < end; p++) {
         const Patch *patch = &mesh->patches[p];
+        w->touched = touched_of(d, p);
         int sun = w->sun ? sun_patch_look(w->sun, p, LONGEST_HAIR) : SUN_DARK;
         for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
             light_corners(d, w, frame, e, group, first, sun);
             if (d->besides) find_bend(d, w, frame, e, group, first, sun);
+            if (d->middle_wanted && d->middle_wanted[e]) light_middle(d, w, frame, e, first, sun);
         }
     }
     w->before_count = first;
@@ -726,7 +790,9 @@ static void light_group(const Direct *d, Worker *w, const Group *g) {
     w->corner_count = w->blocker_count = w->before_count = w->facing_count = w->pane_count = 0;
     w->frame = &frame;
     bound_patches(d, &frame, g->first_patch, g->patch_count, rectangle);
-    for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
+    for (int i = 0; i < w->near_count; i++)
+        if (is_asked(d, w->near[i].object, g->first_patch, g->first_patch + g->patch_count))
+            take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
     int lamps = w->before_count, end = g->first_patch + g->patch_count, next;
     for (int p = g->first_patch; (lamps > 0 || w->sun) && p < end; p = next) {
         next = p + 1;
@@ -789,7 +855,10 @@ static void light_batch(void *context, int index, int thread) {
     if (settled == batch->group_count) return;
     Box box = box_of_groups(d, batch);
     w->near_count = w->between_count = 0;
-    for (int i = -1; d->lamps && (i = lamp_ways_next(d->ways, own, i)) >= 0;) take_object(d, w, box, own, i);
+    const Group *last = &d->groups[batch->first_group + batch->group_count - 1];
+    int first = d->groups[batch->first_group].first_patch, end = last->first_patch + last->patch_count;
+    for (int i = -1; d->lamps && (i = lamp_ways_next(d->ways, own, i)) >= 0;)
+        if (is_asked(d, i, first, end)) take_object(d, w, box, own, i);
     bool lit = w->near_count > 0 || w->sun;
     for (int g = batch->first_group; lit && g < batch->first_group + batch->group_count; g++)
         light_group(d, w, &d->groups[g]);
@@ -819,7 +888,7 @@ static void make_groups(Direct *d, Arena *arena) {
 static void add_lamp(Direct *d, int face, Box box) {
     int object = d->mesh->faces[face].object;
     if (d->lamp_object_count == 0 || d->lamp_objects[d->lamp_object_count - 1].object != object)
-        d->lamp_objects[d->lamp_object_count++] = (LampObject){object, d->lamp_count, 0, box_empty()};
+        d->lamp_objects[d->lamp_object_count++] = (LampObject){object, d->lamp_count, 0, -1, box_empty()};
     LampObject *last = &d->lamp_objects[d->lamp_object_count - 1];
     last->box = box_union(last->box, box);
     last->count++;
@@ -841,7 +910,8 @@ static void sort_faces(Direct *d, Arena *arena) {
                                              mesh->vertices[mesh->outline[face->first_vertex + i]]);
         for (int e = face->first_element; e < face->first_element + face->element_count; e++)
             d->size[f] += mesh->elements[e].area;
-        if (mesh_emits(mesh, f)) add_lamp(d, f, boxes[f]);
+        if (face->hidden) boxes[f] = box_empty();
+        if (mesh_emits(mesh, f) && !face->hidden) add_lamp(d, f, boxes[f]);
     }
     d->tree = box_tree_build(boxes, mesh->face_count, arena);
 }
@@ -891,10 +961,17 @@ static void join_corners(const Direct *d, double (*out)[3]) {
     }
 }
 
-void direct_node_sources(const Direct *d, const PointSources **out) {
+static bool node_is_settled(const Direct *d, int node) {
+    for (int i = d->nodes->first[node]; i < d->nodes->first[node + 1]; i++)
+        if (!d->settled[d->mesh->elements[d->nodes->element[i]].patch]) return false;
+    return true;
+}
+
+void direct_node_sources(const Direct *d, bool anew, const PointSources **out) {
     const Mesh *mesh = d->mesh;
     Worker *w = &d->workers[0];
     for (int n = 0; n < d->nodes->count; n++) {
+        if (anew && node_is_settled(d, n)) continue;
         int first = d->nodes->first[n], count = sharing_corners(d, n);
         w->by_count = 0;
         out[n] = NULL;
@@ -910,7 +987,8 @@ void direct_node_sources(const Direct *d, const PointSources **out) {
                 }
             }
         }
-        if (count > 1) out[n] = keep_sources(w);
+        w->touched = NULL;
+        if (count > 1) out[n] = keep_sources(w, NULL);
     }
 }
 
@@ -952,4 +1030,181 @@ void direct_end(Direct *d) {
     d->at_corner = NULL;
     d->corner_by = NULL;
     d->threads = 0;
+}
+
+// ---- doors that moved
+
+typedef struct Settling {
+    Direct *d;
+    const MovedDoors *moved;
+    Vec3 sun;
+    bool any_sun;
+    bool *turned;       // [lamp_object_count] moves with one of these doors
+    LampFlood **flood;  // [threads]
+    int **room;         // [threads] for three lists of objects of lamps
+} Settling;
+
+static bool is_met_by_doors(const Shaft *shaft, const MovedDoors *moved) {
+    for (int i = 0; i < moved->count; i++) {
+        for (int k = 0; k < 2; k++) {
+            Vec3 corner[8];
+            if (box_is_empty(moved->doors[i].box[k])) continue;
+            box_corners(box_grow(moved->doors[i].box[k], LONGEST_HAIR), corner);
+            if (shaft_is_met(shaft, corner, 8)) return true;
+        }
+    }
+    return false;
+}
+
+// Does the sun's beam to any point of a box meet another one? The box is a point where the other one is larger by its size.
+static bool beam_meets(Box from, Vec3 sun, Box door) {
+    const double at[3] = {from.min.x, from.min.y, from.min.z}, along[3] = {sun.x, sun.y, sun.z},
+                 low[3] = {door.min.x + from.min.x - from.max.x, door.min.y + from.min.y - from.max.y,
+                           door.min.z + from.min.z - from.max.z},
+                 high[3] = {door.max.x, door.max.y, door.max.z};
+    double t0 = 0, t1 = INFINITY;
+    for (int c = 0; c < 3; c++) {
+        if (along[c] == 0) {
+            if (at[c] < low[c] || at[c] > high[c]) return false;
+            continue;
+        }
+        double a = (low[c] - at[c]) / along[c], b = (high[c] - at[c]) / along[c];
+        t0 = fmax(t0, fmin(a, b));
+        t1 = fmin(t1, fmax(a, b));
+    }
+    return t0 <= t1;
+}
+
+static bool beams_meet(const Settling *s, Box box) {
+    for (int i = 0; i < s->moved->count && s->any_sun; i++)
+        for (int k = 0; k < 2; k++) {
+            Box door = s->moved->doors[i].box[k];
+            if (!box_is_empty(door) && beam_meets(box, s->sun, box_grow(door, LONGEST_HAIR))) return true;
+        }
+    return false;
+}
+
+static bool moves_with(const Mesh *mesh, int object, const MovedDoors *moved) {
+    int leaf = mesh->graph->objects[object].leaf;
+    for (int i = 0; i < moved->count && leaf >= 0; i++)
+        if (mesh->graph->building->leaves[leaf].opening == moved->doors[i].opening) return true;
+    return false;
+}
+
+// The sources of an object of lamps, as bits.
+static void touch_lamp(const Direct *d, int lamp, uint64_t *bits) {
+    const LampObject *l = &d->lamp_objects[lamp];
+    for (int k = l->first; k < l->first + l->count; k++) {
+        int source = d->source_of[d->lamp[k]];
+        if (source >= 0) bits[source / 64] |= (uint64_t)1 << source % 64;
+    }
+}
+
+// May doors stand between anything in the box and a lamp? Of the lamps asked, an object each, those where they may are put into `found`
+// [*count].
+static void lamps_that_change(const Settling *s, LampFlood *flood, int object, Box box, const int *asked,
+                              int asked_count, int *found, int *count) {
+    const Direct *d = s->d;
+    *count = 0;
+    for (int i = 0; i < asked_count; i++) {
+        int lamp = asked[i];
+        Shaft shaft = shaft_of_boxes(box, d->lamp_objects[lamp].box);
+        bool meets = s->turned[lamp] || is_met_by_doors(&shaft, s->moved);
+        if (meets && lamp_flood_reaches(flood, &shaft, object, d->lamp_objects[lamp].object))
+            found[(*count)++] = lamp;
+    }
+}
+
+static Box box_of_patch(const Mesh *mesh, const Patch *patch) {
+    Box box = box_empty();
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const int *corner = mesh->corners + mesh->elements[e].first_corner;
+        for (int i = 0; i < mesh->elements[e].corner_count; i++)
+            box = box_add(box, mesh->vertices[corner[i]]);
+    }
+    return box_grow(box, LONGEST_HAIR);
+}
+
+// All light of a patch is to be found anew, or only that of some lamps, and of the sun or not.
+static void settle_patch(const Settling *s, int patch, bool all, const int *lamp, int count, bool sun) {
+    Direct *d = s->d;
+    d->settled[patch] = !all && count == 0 && !sun;
+    if (!d->touched || d->settled[patch]) return;
+    uint64_t *bits = d->touched + (size_t)patch * (size_t)d->touched_words;
+    if (all) memset(bits, 0xff, (size_t)d->touched_words * sizeof *bits);
+    for (int i = 0; i < count; i++) touch_lamp(d, lamp[i], bits);
+    if (sun) bits[d->day / 64] |= (uint64_t)1 << d->day % 64;
+}
+
+static void settle_batch(void *context, int index, int thread) {
+    const Settling *s = context;
+    const Direct *d = s->d;
+    const Batch *batch = &d->batches[index];
+    int object = d->mesh->faces[d->groups[batch->first_group].face].object, asked = 0, some, few;
+    int *lamps = s->room[thread], *of_batch = lamps + d->lamp_object_count,
+        *of_patch = of_batch + d->lamp_object_count;
+    Box all = box_of_groups(d, batch);
+    bool own = moves_with(d->mesh, object, s->moved), sun = !own && beams_meet(s, all);
+    for (int i = -1; !own && d->lamps && (i = lamp_ways_next(d->ways, object, i)) >= 0;) lamps[asked++] = i;
+    lamps_that_change(s, s->flood[thread], object, all, lamps, asked, of_batch, &some);
+    for (int g = batch->first_group; g < batch->first_group + batch->group_count; g++) {
+        const Group *group = &d->groups[g];
+        for (int p = group->first_patch; p < group->first_patch + group->patch_count; p++) {
+            Box box = some > 0 || sun ? box_of_patch(d->mesh, &d->mesh->patches[p]) : all;
+            lamps_that_change(s, s->flood[thread], object, box, of_batch, some, of_patch, &few);
+            settle_patch(s, p, own, of_patch, few, sun && beams_meet(s, box));
+        }
+    }
+}
+
+// The source of all faces of an object of lamps, -1: there are several.
+static int source_of_object(const Direct *d, const LampObject *l) {
+    int source = d->source_of[d->lamp[l->first]];
+    for (int k = l->first; k < l->first + l->count; k++)
+        if (d->source_of[d->lamp[k]] != source) return -1;
+    return source;
+}
+
+void direct_settle(Direct *d, const MovedDoors *moved, const Daylight *day, int threads) {
+    const Mesh *mesh = d->mesh;
+    Arena scratch = {0};
+    int lamps = d->lamp_object_count;
+    threads = parallel_threads(threads);
+    Settling s = {.d = d, .moved = moved, .sun = day->sun, .any_sun = d->sun != NULL};
+    d->settled = ARENA_ARRAY(&d->arena, bool, mesh->patch_count + 1);
+    d->known = ARENA_ARRAY(&d->arena, bool, mesh->corner_count + 1);
+    if (d->source_of) {
+        d->touched_words = d->day / 64 + 1;
+        d->touched =
+            ARENA_ARRAY(&d->arena, uint64_t, (size_t)mesh->patch_count * (size_t)d->touched_words + 1);
+        for (int i = 0; i < lamps; i++) d->lamp_objects[i].source = source_of_object(d, &d->lamp_objects[i]);
+    }
+    s.turned = ARENA_ARRAY(&scratch, bool, lamps + 1);
+    for (int i = 0; i < lamps; i++) s.turned[i] = moves_with(mesh, d->lamp_objects[i].object, moved);
+    s.flood = ARENA_ARRAY(&scratch, LampFlood *, threads);
+    s.room = ARENA_ARRAY(&scratch, int *, threads);
+    for (int t = 0; t < threads; t++) {
+        s.flood[t] = lamp_flood_new(d->ways, &scratch);
+        s.room[t] = ARENA_ARRAY(&scratch, int, 3 * lamps + 1);
+    }
+    parallel_for(threads, d->batch_count, settle_batch, &s);
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int c = 0; c < mesh->elements[e].corner_count; c++)
+            d->known[mesh->elements[e].first_corner + c] = d->settled[mesh->elements[e].patch];
+    arena_free(&scratch);
+}
+
+void direct_forget(const Direct *d, int patch, const PointSources **by) {
+    const uint64_t *touched = touched_of(d, patch);
+    const PointSources *from = *by;
+    int left = 0;
+    for (int i = 0; from && i < from->count; i++) left += !has_bit(touched, from->by[i].source);
+    if (!from || left == from->count) return;
+    PointSources *out = NULL;
+    if (left > 0) {
+        out = arena_alloc(&d->kept[0], sizeof *out + (size_t)left * sizeof *out->by, 1);
+        for (int i = 0; i < from->count; i++)
+            if (!has_bit(touched, from->by[i].source)) out->by[out->count++] = from->by[i];
+    }
+    *by = out;
 }

@@ -28,11 +28,14 @@ typedef struct Within {
     bool middle_known;
     double middle[3];  // irradiance at its centroid, W/m^2
     const PointSources *middle_by;
+    bool looked;       // bends were looked for, and the light at the centroid found as for them:
+    double seemed[3];  // irradiance, where some faces of a lamp may stand for all
 } Within;
 
 // Lamps of one object: Direct.lamp[first] and so on.
 typedef struct LampObject {
     int object, first, count;
+    int source;  // of all its faces, -1: several, or not known
     Box box;
 } LampObject;
 
@@ -57,6 +60,10 @@ typedef struct Direct {
     double (*at_corner)[3];        // [corner_count]
     bool *known;                   // [corner_count] its light is in `at_corner`; NULL: none is
     bool *settled;                 // [patch_count] all light of its corners is known
+    // [patch_count * touched_words] a bit for each source whose light is to be found anew in a patch, while `corner_by` and `middle_by` hold
+    // that of the others; NULL: all light is.
+    uint64_t *touched;
+    int touched_words;
     // [face_count] the source of each lamp's face; NULL: sources are not told apart. The sun is source `day`
     const int *source_of;
     int day;
@@ -66,6 +73,11 @@ typedef struct Direct {
     const double *besides;
     Bend **bends;    // [element_count]
     Within *within;  // [element_count]
+    // The same in another state of the doors, whose bends are known: they are looked for where the light differs. NULL: everywhere.
+    const struct Direct *usual;
+    // [element_count] the sources of the light at an element's centroid, found where `middle_wanted`; NULL: nowhere
+    const PointSources **middle_by;
+    const bool *middle_wanted;
 } Direct;
 
 // `day`: NULL: night.
@@ -79,10 +91,19 @@ bool direct_light(Direct *d, int threads, const Progress *progress, double (*out
 // May be called twice.
 void direct_end(Direct *d);
 
+// Doors have moved, to where they stand in the mesh: light is to be found anew in those patches alone to which light straight from a lamp
+// or the sun of `day` may pass one of these doors. The others are settled, and so are their corners. To be called before direct_light.
+// Where sources are told apart, of other patches only the light of those sources is found anew.
+void direct_settle(Direct *d, const MovedDoors *moved, const Daylight *day, int threads);
+
 // The place towards which the point of a corner is moved. False: another corner of the node has its light, which lies in one plane.
 bool direct_corner_counts(const Direct *d, int element, int corner, Vec3 *towards);
+// Where no lamp is before a patch any more nothing is found anew: takes away what is to be found anew in a patch.
+void direct_forget(const Direct *d, int patch, const PointSources **by);
+
 // The light that each source gives at each node, into `out` [nodes->count], after direct_light and before direct_end.
-void direct_node_sources(const Direct *d, const PointSources **out);
+// `anew`: leaves `out` as it is for nodes whose patches are all settled.
+void direct_node_sources(const Direct *d, bool anew, const PointSources **out);
 
 // Points of two meshes nearer than this are in one place, metres.
 #define DIRECT_SAME_PLACE 1e-7

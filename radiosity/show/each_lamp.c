@@ -67,8 +67,9 @@ static bool light_source(Finder *f, int lamp, const Progress *progress, Arena *a
         return false;
     if (rad_shoot(mesh, each->forest, each->door_open, &f->options, progress, out).stopped) return false;
     take_noise(f->all, out);
-    return direct_show_source(each->sources, lamp < 0 ? each->lamps->count : lamp, mesh, progress, arena,
-                              out);
+    double(*share)[3] = arena_alloc(arena, (size_t)each->lamps->count + 1, sizeof *share);
+    for (int c = 0; c < 3; c++) share[lamp < 0 ? each->lamps->count : lamp][c] = 1;
+    return direct_show_source(each->sources, share, mesh, progress, arena, out);
 }
 
 static LampLight source_light(const Finder *f, const RadSolution *s, bool day, Arena *arena) {

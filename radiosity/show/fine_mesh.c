@@ -441,7 +441,7 @@ FineMesh *fine_mesh_new(const Mesh *light, Arena *arena) {
     options.close = 0;
     options.replaced = true;
     *fine = (FineMesh){.light = light, .mesh = *light, .same = true};
-    if (options.proxies && mesh_build(light->graph, NULL, NULL, &options, &scratch, &of_fine, &error)) {
+    if (options.proxies && mesh_build(light->graph, NULL, &options, &scratch, &of_fine, &error)) {
         fine->same = false;
         join_meshes(fine, &of_fine, arena);
         fine->nodes = nodes_of(light, arena);

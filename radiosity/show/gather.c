@@ -583,7 +583,10 @@ GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
             share[i] *= (float)panes_transmit(&self->panes, view->eye,
                                               element_centroid(self->scene.mesh, row->element[i]));
     }
-    return (GatherRow){row->count, element, share, row->sky_light, row->ground_light};
+    int words = viewer_door_words(self->viewer);
+    uint64_t *doors = view->doors ? ARENA_ARRAY(arena, uint64_t, words + 1) : NULL;
+    if (doors) memcpy(doors, view->doors, (size_t)words * sizeof *doors);
+    return (GatherRow){row->count, element, share, row->sky_light, row->ground_light, doors};
 }
 
 void gather_along(const Gatherer *self, const GatherRow *row, double irradiance[3]) {

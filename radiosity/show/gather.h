@@ -53,6 +53,7 @@ typedef struct GatherRow {
     const int *element;  // [count]
     const float *share;  // [count]
     double sky, ground;  // shares of the irradiances by a whole view of the sky overhead, and of the ground
+    const uint64_t *doors;  // as in View
 } GatherRow;
 // Only with the options `reflected`, without walks, by a projective method, and for a scene without slopes. Both arrays live in the
 // arena.

@@ -158,15 +158,14 @@ typedef struct Parts {
     double (*value)[3];    // [shown->element_count]
     int first;             // of this look
     PartRows *kept;        // or NULL
-    bool known;            // its rows are there
 } Parts;
 
 static void gather_part(void *context, int index, int thread) {
     const Parts *p = context;
     const Mesh *mesh = p->scene->mesh;
-    int part = p->part[p->first + index];
-    GatherRow *row = p->kept ? &p->kept->row[p->first + index] : NULL;
-    if (p->known) {
+    int at_row = p->first + index, part = p->part[at_row];
+    GatherRow *row = p->kept ? &p->kept->row[at_row] : NULL;
+    if (row && p->kept->there[at_row]) {
         gather_along(p->gatherer[thread], row, p->value[part]);
         return;
     }
@@ -179,6 +178,8 @@ static void gather_part(void *context, int index, int thread) {
     ViewPoint from = {at, face->plane.n, cell};
     if (row) {
         *row = gather_row_new(p->gatherer[thread], &from, &p->kept->kept[thread]);
+        p->kept->leaf[at_row] = mesh->graph->objects[face->object].leaf;
+        p->kept->there[at_row] = true;
         gather_along(p->gatherer[thread], row, p->value[part]);
     } else {
         gather(p->gatherer[thread], &from, p->value[part]);
@@ -190,13 +191,57 @@ void part_rows_end(PartRows *rows) {
     arena_free(&rows->arena);
 }
 
-// Rows for so many parts; were they made before?
-static bool part_rows_there(PartRows *rows, int count) {
-    if (rows->row) return true;
+// Room for the rows of so many parts.
+static void part_rows_start(PartRows *rows, int count) {
+    if (rows->row) return;
     rows->count = count;
     rows->row = ARENA_ARRAY(&rows->arena, GatherRow, count + 1);
+    rows->there = ARENA_ARRAY(&rows->arena, bool, count + 1);
+    rows->leaf = ARENA_ARRAY(&rows->arena, int, count + 1);
     rows->kept = ARENA_ARRAY(&rows->arena, Arena, rows->thread_count);
+}
+
+static bool part_moves(const PartRows *rows, const Building *b, int i, const MovedDoors *moved) {
+    for (int k = 0; k < moved->count; k++) {
+        int opening = moved->doors[k].opening;
+        if (rows->leaf[i] >= 0 && b->leaves[rows->leaf[i]].opening == opening) return true;
+        if (view_has_door(rows->row[i].doors, opening)) return true;
+    }
     return false;
+}
+
+// Copies the rows that are there to memory of their own once most of the memory is of rows that were dropped.
+static void close_gaps(PartRows *rows, int words) {
+    size_t used = 0, there = 0;
+    for (int t = 0; t < rows->thread_count; t++) used += rows->kept[t].used;
+    for (int i = 0; i < rows->count; i++)
+        there += rows->there[i] ? (size_t)rows->row[i].count * (sizeof(int) + sizeof(float)) : 0;
+    if (used < 3 * there) return;
+    Arena kept = {0};
+    for (int i = 0; i < rows->count; i++) {
+        GatherRow *row = &rows->row[i];
+        if (!rows->there[i]) continue;
+        int *element = ARENA_ARRAY(&kept, int, row->count + 1);
+        float *share = ARENA_ARRAY(&kept, float, row->count + 1);
+        uint64_t *doors = row->doors ? ARENA_ARRAY(&kept, uint64_t, words + 1) : NULL;
+        memcpy(element, row->element, (size_t)row->count * sizeof *element);
+        memcpy(share, row->share, (size_t)row->count * sizeof *share);
+        if (doors) memcpy(doors, row->doors, (size_t)words * sizeof *doors);
+        *row = (GatherRow){row->count, element, share, row->sky, row->ground, doors};
+    }
+    for (int t = 0; t < rows->thread_count; t++) arena_free(&rows->kept[t]);
+    rows->kept[0] = kept;
+}
+
+int part_rows_move(PartRows *rows, const Building *building, const MovedDoors *moved) {
+    int dropped = 0;
+    for (int i = 0; i < rows->count; i++) {
+        if (!rows->there[i] || !part_moves(rows, building, i, moved)) continue;
+        rows->there[i] = false;
+        dropped++;
+    }
+    if (rows->count > 0) close_gaps(rows, (building->opening_count + 63) / 64);
+    return dropped;
 }
 
 static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count,
@@ -205,7 +250,7 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int 
     Arena scratch = {0};
     threads = kept ? kept->thread_count : parallel_threads(threads);
     Parts p = {scene, shown, ARENA_ARRAY(&scratch, Gatherer *, threads), part, in, value, .kept = kept};
-    p.known = kept && part_rows_there(kept, count);
+    if (kept) part_rows_start(kept, count);
     GatherOptions options = gather_default_options();
     options.resolution = RESOLUTION;
     options.reflected = true;

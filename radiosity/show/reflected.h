@@ -13,11 +13,15 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
 // but `thread_count`; reflected_nodes fills it when it is called first, with the rows of that solution's day.
 typedef struct PartRows {
     GatherRow *row;  // [count]
+    bool *there;     // [count]
+    int *leaf;       // [count] the leaf that the part lies on, -1
     int count, thread_count;
     Arena arena;
     Arena *kept;  // [thread_count]
 } PartRows;
 void part_rows_end(PartRows *rows);
+// Doors have moved: drops the rows that may see one of them, which the next call of reflected_nodes makes again. Returns how many.
+int part_rows_move(PartRows *rows, const Building *building, const MovedDoors *moved);
 
 // The irradiance by reflected light at nodes of a mesh whose elements are those of the scene's mesh, halved as often as `halved` says or
 // oftener, W/m^2 a channel, into `out` [nodes->count]. `halved` NULL: no element was halved for reflected light. The same on any number of

@@ -10,13 +10,10 @@
 bool shown_build(const Mesh *mesh, const MeshSplits *splits, const float *door_open, Arena *arena, Mesh *out,
                  Error *error) {
     const CellGraph *graph = mesh->graph;
-    Arena scratch = {0};
     MeshOptions options = mesh->options;
     options.splits = splits;
-    bool good =
-        mesh_build(graph, vis_posed(graph, door_open, &scratch), door_open, &options, arena, out, error);
+    bool good = mesh_build(graph, door_open, &options, arena, out, error);
     CORE_ASSERT(!good || out->face_count == mesh->face_count);
-    arena_free(&scratch);
     return good;
 }
 

@@ -85,6 +85,7 @@ static void project_faces(SunNodes *s, Arena *arena) {
         for (int i = face->first_vertex; i < face->first_vertex + face->vertex_count; i++)
             boxes[f] = box_add(boxes[f], s->corner[i] = to_sun(s, mesh->vertices[mesh->outline[i]]));
         *out = (SunFace){face->first_vertex, face->vertex_count, {n, face->plane.d}, 0, boxes[f].max.z};
+        if (face->hidden) boxes[f] = box_empty();
         if (fabs(n.z) > s->sine) out->turn = n.z > 0 ? 1 : -1;
         s->top = fmax(s->top, out->highest);
     }

@@ -148,7 +148,9 @@ static void put_vertices(const PathScene *scene, RTCGeometry geometry) {
 static void put_triangles(PathScene *scene, RTCGeometry geometry, Arena *arena) {
     const Mesh *mesh = scene->mesh;
     Arena scratch = {0};
-    int count = mesh->outline_count - 2 * mesh->face_count;
+    int count = 0;
+    for (int f = 0; f < mesh->face_count; f++)
+        if (!mesh->faces[f].hidden) count += mesh->faces[f].vertex_count - 2;
     scene->face_of = ARENA_ARRAY(arena, int, count + 1);
     unsigned *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                               3 * sizeof *index, (size_t)count);
@@ -157,6 +159,7 @@ static void put_triangles(PathScene *scene, RTCGeometry geometry, Arena *arena) 
     for (int f = 0; f < mesh->face_count; f++) {
         const int *outline = mesh->outline + mesh->faces[f].first_vertex;
         int n = mesh->faces[f].vertex_count;
+        if (mesh->faces[f].hidden) continue;
         for (int i = 0; i < n; i++) corners[i] = vec3_sub(mesh->vertices[outline[i]], scene->origin);
         polygon_triangulate(corners, n, triangle);
         for (int i = 0; i < 3 * (n - 2); i++) *index++ = (unsigned)outline[triangle[i]];

@@ -32,8 +32,7 @@ static Written write_lit(Lit *lit, float open) {
     Vec3 *posed = w.posed = ARENA_ARRAY(&lit->arena, Vec3, lit->graph.vertex_count + 1);
     memcpy(posed, lit->graph.vertices, (size_t)lit->graph.vertex_count * sizeof *posed);
     vis_pose(&lit->graph, w.doors, posed);
-    cr_assert(mesh_build(&lit->graph, posed, w.doors, &mesh, &lit->arena, &lit->mesh, &error), "%s",
-              error.text);
+    cr_assert(mesh_build(&lit->graph, w.doors, &mesh, &lit->arena, &lit->mesh, &error), "%s", error.text);
     cr_assert(rad_start(&lit->mesh, &lit->arena, &w.solution, &error), "%s", error.text);
     rad_shoot(&lit->mesh, &lit->forest, w.doors, &options, NULL, &w.solution);
     w.path = arena_format(&lit->arena, "%s/x.glb", support_folder(&lit->arena));

@@ -38,7 +38,7 @@ static void light(Seen *s, double left, double right) {
         double b = s->mesh->spot[e][0] + s->mesh->origin.x < 4.5 ? left : right;
         for (int c = 0; c < 3; c++) s->solution.radiosity[e][c] = b;
     }
-    lit_light_fill(s->mesh, &s->solution, &s->light);
+    lit_light_fill(s->mesh, &s->solution, NULL, &s->light);
 }
 
 static double meter(const Seen *s, double x, double yaw) {
@@ -106,7 +106,7 @@ Test(exposure, weighs_by_solid_angle_and_root) {
             Vec3 p = vec3_add(s.mesh->origin, vec3((double)place[0], (double)place[1], (double)place[2]));
             for (int c = 0; c < 3; c++) s.solution.radiosity[e][c] = LIGHTS[k](p);
         }
-        lit_light_fill(s.mesh, &s.solution, &s.light);
+        lit_light_fill(s.mesh, &s.solution, NULL, &s.light);
         for (int turn = 0; turn < 8; turn++) {
             Camera camera = camera_look(vec3(2, 2, 1.6), M_PI / 4 * turn, 0.1 * (turn - 4), 1.4, 160, 90);
             double want = oracle(&camera, LIGHTS[k]);
@@ -119,7 +119,7 @@ Test(exposure, weighs_by_solid_angle_and_root) {
     for (int e = 0; e < s.lit->mesh.element_count; e++)
         for (int c = 0; c < 3; c++)
             s.solution.radiosity[e][c] = s.mesh->spot[e][1] + s.mesh->origin.y < 2 ? 1 : 16;
-    lit_light_fill(s.mesh, &s.solution, &s.light);
+    lit_light_fill(s.mesh, &s.solution, NULL, &s.light);
     cr_expect_float_eq(meter(&s, 2, 0), pow(16, 0.8), 1e-4);
     lit_free(s.lit);
 }
@@ -197,7 +197,7 @@ Test(exposure, rooms_by_day) {
     cr_assert(outdoors > 0 && outdoors < mesh->element_count);
     for (int day = 0; day < 2; day++) {
         if (day) s.solution.day = daylight_uniform(SKY_RADIANCE);
-        lit_light_fill(s.mesh, &s.solution, &s.light);
+        lit_light_fill(s.mesh, &s.solution, NULL, &s.light);
         double in_room = meter(&s, 1, 0), in_garden = meter(&s, 6, 0);
         cr_expect_float_eq(in_garden, 100, 1e-3);
         if (day) {

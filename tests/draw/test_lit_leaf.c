@@ -32,11 +32,7 @@ static Baked *open_baked(double left, double right) {
     cr_assert(vis_build_cells(&b->building, &vis, &b->arena, &b->graph, &error), "%s", error.text);
     float *doors = ARENA_ARRAY(&b->arena, float, b->building.opening_count + 1);
     for (int i = 0; i < b->building.opening_count; i++) doors[i] = 0;
-    Vec3 *vertices = ARENA_ARRAY(&b->arena, Vec3, b->graph.vertex_count);
-    memcpy(vertices, b->graph.vertices, (size_t)b->graph.vertex_count * sizeof *vertices);
-    vis_pose(&b->graph, doors, vertices);
-    cr_assert(mesh_build(&b->graph, vertices, doors, &options, &b->arena, &b->mesh, &error), "%s",
-              error.text);
+    cr_assert(mesh_build(&b->graph, doors, &options, &b->arena, &b->mesh, &error), "%s", error.text);
     cr_assert(rad_start_dark(&b->mesh, &b->arena, &b->solution, &error), "%s", error.text);
     for (int e = 0; e < b->mesh.element_count; e++) {
         const Element *element = &b->mesh.elements[e];
@@ -47,7 +43,7 @@ static Baked *open_baked(double left, double right) {
     }
     b->lit = lit_mesh_new(&b->mesh, &b->arena);
     b->light = lit_light_new(b->lit, &b->arena);
-    lit_light_fill(b->lit, &b->solution, &b->light);
+    lit_light_fill(b->lit, &b->solution, NULL, &b->light);
     b->leaf = arena_alloc(&b->arena, (size_t)lit_vertex_count(b->lit) + 1, sizeof *b->leaf);
     return b;
 }

@@ -14,7 +14,7 @@ static LitMesh *load(Lamps3 *l, const char *path, WalkLight *light, LitLight *ou
     cr_assert(light_load(path, &l->scene, &l->arena, light, &error), "%s", error.text);
     LitMesh *mesh = lit_mesh_new(light->mesh, &l->arena);
     *out = lit_light_new(mesh, &l->arena);
-    lit_light_fill(mesh, light->solution, out);
+    lit_light_fill(mesh, light->solution, NULL, out);
     return mesh;
 }
 
@@ -46,7 +46,7 @@ Test(lit_states, switched_as_loaded, .timeout = 120) {
         for (int i = 0; i < 4; i++) full[i] = (Rgb){1, 1, 1};
         for (int i = 0; i < 20; i++) {
             random_state(&random, lit);
-            lit_states_fill(states, lit, &now);
+            cr_assert(lit_states_fill(states, lit, l->doors, NULL, &now));
         }
         memcpy(l->scene.lit, lit, sizeof lit);
         load(l, path, &other, &loaded);
@@ -66,7 +66,7 @@ Test(lit_states, switched_as_loaded, .timeout = 120) {
         }
         while (lit_states_prepare(states)) {
         }
-        lit_states_fill(states, full, &now);
+        cr_assert(lit_states_fill(states, full, l->doors, NULL, &now));
         cr_expect_arr_eq(now.vertex, first.vertex, (size_t)vertices * sizeof *first.vertex);
         lamps3_free(l);
     }

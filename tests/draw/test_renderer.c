@@ -179,7 +179,7 @@ Test(renderer, sky_of_a_day_by_direction, .timeout = 120) {
         renderer_check_open_stage(&s, "build/maps/two-rooms.plan");
         // Towards the sun.
         Camera camera = camera_look(s.camera.eye, M_PI / 2, 0, 1.2, WIDTH, HEIGHT);
-        cr_assert(mesh_build(&s.graph, NULL, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
+        cr_assert(mesh_build(&s.graph, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
         cr_assert(rad_start_dark(&mesh, &s.arena, &solution, &error), "%s", error.text);
         solution.day = daylight_of(&sun, 0, weather);
         WalkLight light = {.mesh = &mesh, .solution = &solution};
@@ -218,7 +218,7 @@ Test(renderer, baked_sky_is_as_bright_as_its_light, .timeout = 120) {
         MeshOptions options = mesh_default_options();
         options.element = 1;
         renderer_check_open_stage(&s, "build/maps/two-rooms.plan");
-        cr_assert(mesh_build(&s.graph, NULL, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
+        cr_assert(mesh_build(&s.graph, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
         cr_assert(rad_start_dark(&mesh, &s.arena, &solution, &error), "%s", error.text);
         solution.day = daylight_uniform(RADIANCE[day]);
         WalkLight light = {.mesh = &mesh, .solution = &solution};

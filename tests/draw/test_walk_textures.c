@@ -62,7 +62,7 @@ static void light_evenly(Stage *s, double irradiance, Mesh *mesh, RadSolution *s
     Error error;
     MeshOptions options = mesh_default_options();
     options.element = 1;
-    cr_assert(mesh_build(&s->graph, NULL, NULL, &options, &s->arena, mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(&s->graph, NULL, &options, &s->arena, mesh, &error), "%s", error.text);
     cr_assert(rad_start_dark(mesh, &s->arena, solution, &error), "%s", error.text);
     for (int e = 0; e < mesh->element_count; e++) {
         double rho[3];

@@ -268,24 +268,21 @@ static double fitting_element(const CellGraph *g) {
 }
 
 static bool mesh_of(Scene *s, const RadOptions *rad, Mesh *out) {
-    Vec3 *vertices = ARENA_ARRAY(s->arena, Vec3, s->graph.vertex_count + 1);
-    memcpy(vertices, s->graph.vertices, (size_t)s->graph.vertex_count * sizeof *vertices);
-    vis_pose(&s->graph, s->doors, vertices);
     MeshOptions options = mesh_default_options();
     options.element = fitting_element(&s->graph);
     if (options.element > 100) return false;  // of a land, not of a building
     options.threads = 1;
-    options.proxies = proxies_find(&s->graph, vertices, options.proxy, s->arena);
+    options.proxies = proxies_find(&s->graph, options.proxy, s->arena);
     Error error = {""};
     bool made;
     if (random_index(&s->random, 4) == 0) {
         AdaptOptions adapt = adapt_default_options();
-        AdaptScene scene = {&s->graph, vertices, &s->forest, s->doors};
+        AdaptScene scene = {&s->graph, &s->forest, s->doors};
         adapt.few = 300;
         adapt.smallest = options.element / 2;
         made = adapt_mesh(&scene, &options, &adapt, rad, NULL, s->arena, out, &error);
     } else {
-        made = mesh_build(&s->graph, vertices, s->doors, &options, s->arena, out, &error);
+        made = mesh_build(&s->graph, s->doors, &options, s->arena, out, &error);
     }
     demand(made || error.text[0], "a mesh, or a sentence");
     return made && out->element_count <= MOST_ELEMENTS;

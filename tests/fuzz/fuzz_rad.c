@@ -51,7 +51,7 @@ static void make(Made *m) {
     RadOptions options = few_shots(5);
     RadSolution solution;
     store_target_start(t);
-    if (!mesh_build(&t->graph, NULL, m->doors, &mesh, &t->arena, &m->mesh, NULL) ||
+    if (!mesh_build(&t->graph, m->doors, &mesh, &t->arena, &m->mesh, NULL) ||
         !rad_start(&m->mesh, &t->arena, &solution, NULL))
         abort();
     rad_shoot(&m->mesh, &t->forest, m->doors, &options, NULL, &solution);
@@ -103,7 +103,7 @@ static void make_again(const Made *m, const MeshOptions *options, const float *d
     RadOptions few = few_shots(2);
     Error error = {""};
     if (options->element < SMALLEST) return;
-    if (!mesh_build(&m->target.graph, NULL, doors, options, arena, &mesh, &error) ||
+    if (!mesh_build(&m->target.graph, doors, options, arena, &mesh, &error) ||
         !rad_start(&mesh, arena, &solution, &error)) {
         if (error.text[0] == 0) abort();
         return;

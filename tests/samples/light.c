@@ -17,7 +17,7 @@ int main(int argc, char **argv) {
     enf_lamp_faces_add(&arena, &building);
     if (!enf_vis_prepare(&building, &options, NULL, &arena, &ready, &error)) goto failed;
     // Doors as drawn: NULL.
-    if (!enf_mesh_build(&ready.graph, NULL, NULL, &elements, &arena, &mesh, &error)) goto failed;
+    if (!enf_mesh_build(&ready.graph, NULL, &elements, &arena, &mesh, &error)) goto failed;
     if (!enf_rad_start(&mesh, &arena, &light, &error)) goto failed;
     EnfRadReport report = enf_rad_shoot(&mesh, &ready.forest, NULL, &shooting, NULL, &light);
     printf("light: %d elements, %lld shots, %.1f W of %.1f W absorbed\n", mesh.element_count, report.shots,

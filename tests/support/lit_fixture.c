@@ -66,7 +66,7 @@ void lit_finish_with(Lit *lit, const MeshOptions *mesh) {
     options.threads = 1;
     cr_assert(vis_build_cells(lit->building, &options, &lit->arena, &lit->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&lit->graph, &options, NULL, &lit->arena, &lit->forest));
-    cr_assert(mesh_build(&lit->graph, NULL, NULL, mesh, &lit->arena, &lit->mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(&lit->graph, NULL, mesh, &lit->arena, &lit->mesh, &error), "%s", error.text);
 }
 
 void lit_finish(Lit *lit, double element, int per_patch) {

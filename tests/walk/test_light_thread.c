@@ -208,7 +208,7 @@ Test(light_thread, lamps_of_stored_light, .timeout = 120) {
     cr_expect(light_thread_switches(thread));
     Rgb lit[4];
     for (int i = 0; i < 4; i++) lit[i] = (Rgb){0.5f, 0.5f, 0.5f};
-    light_thread_switch(thread, lit, 4);
+    light_thread_ask(thread, lit, 4, NULL, l->scene.building.opening_count);
     // All light of the bake anew comes first, then the state.
     const LitLight *all = wait_for_light(thread);
     cr_expect(all != first && first->vertex[0] == vertices && first->level == level,
@@ -225,7 +225,7 @@ Test(light_thread, lamps_of_stored_light, .timeout = 120) {
     for (int k = 0; k < 3; k++) {
         float share = k == 0 ? 0 : k == 1 ? 0.2f : 1;
         for (int i = 0; i < 4; i++) lit[i] = (Rgb){share, share, share};
-        light_thread_switch(thread, lit, 4);
+        light_thread_ask(thread, lit, 4, NULL, l->scene.building.opening_count);
     }
     for (double now = 0; fabs(now - bright) > 1e-9 * bright;) {
         now = brightness(thread, wait_for_light(thread));

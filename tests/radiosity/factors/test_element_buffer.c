@@ -22,8 +22,7 @@ static void make(Made *m) {
     cr_assert(maps_read("build/maps/two-rooms.plan", &m->arena, &m->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&m->building, &options, &m->arena, &m->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&m->graph, &options, NULL, &m->arena, &m->forest));
-    cr_assert(mesh_build(&m->graph, NULL, NULL, &mesh_options, &m->arena, &m->mesh, &error), "%s",
-              error.text);
+    cr_assert(mesh_build(&m->graph, NULL, &mesh_options, &m->arena, &m->mesh, &error), "%s", error.text);
 }
 
 static double difference(const Row *a, const Row *b) {

@@ -23,10 +23,7 @@ static void finish(Made *m) {
     Error error = {""};
     cr_assert(vis_build_cells(&m->building, &options, &m->arena, &m->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&m->graph, &options, NULL, &m->arena, &m->forest));
-    Vec3 *vertices = ARENA_ARRAY(&m->arena, Vec3, m->graph.vertex_count);
-    memcpy(vertices, m->graph.vertices, (size_t)m->graph.vertex_count * sizeof *vertices);
-    vis_pose(&m->graph, m->door_open, vertices);
-    cr_assert(mesh_build(&m->graph, vertices, m->door_open, &mesh_options, &m->arena, &m->mesh, &error), "%s",
+    cr_assert(mesh_build(&m->graph, m->door_open, &mesh_options, &m->arena, &m->mesh, &error), "%s",
               error.text);
     m->viewer = viewer_new(&m->mesh, &m->forest, m->door_open, &m->arena);
 }
@@ -64,7 +61,7 @@ static int first_met(const Mesh *mesh, Vec3 eye, Vec3 along, double *distance) {
     int first = -1;
     *distance = INFINITY;
     for (int f = 0; f < mesh->face_count; f++) {
-        double r = meet(mesh, f, eye, along);
+        double r = mesh->faces[f].hidden ? INFINITY : meet(mesh, f, eye, along);
         if (r >= *distance) continue;
         *distance = r;
         first = f;
@@ -189,7 +186,7 @@ static const View *look_at_sheet(Arena *arena, Vec3 at, double height, bool besi
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
     MeshOptions options = mesh_default_options();
     Error error = {""};
-    cr_assert(mesh_build(graph, NULL, NULL, &options, arena, mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(graph, NULL, &options, arena, mesh, &error), "%s", error.text);
     Viewer *viewer = viewer_new(mesh, forest, NULL, arena);
     ViewPoint from = {vec3_add(at, vec3(beside ? 3 : 0.1, 0.2, 0)), {0, 0, 1}, -1};
     return viewer_look(viewer, &from, CULL_NONE);

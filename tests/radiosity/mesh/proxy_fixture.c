@@ -88,5 +88,5 @@ Lit *proxy_furnished(void) {
 }
 
 const Proxies *proxy_proxies_of(Lit *lit, double tolerance) {
-    return proxies_find(&lit->graph, NULL, tolerance, &lit->arena);
+    return proxies_find(&lit->graph, tolerance, &lit->arena);
 }

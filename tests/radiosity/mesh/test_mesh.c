@@ -17,8 +17,7 @@ static void load(Sheets *s, const char *path, double close) {
     mesh_options.close = close;
     cr_assert(maps_read(path, &s->arena, &s->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&s->building, &options, &s->arena, &s->graph, &error), "%s", error.text);
-    cr_assert(mesh_build(&s->graph, NULL, NULL, &mesh_options, &s->arena, &s->mesh, &error), "%s",
-              error.text);
+    cr_assert(mesh_build(&s->graph, NULL, &mesh_options, &s->arena, &s->mesh, &error), "%s", error.text);
 }
 
 // ---- what holds of every mesh
@@ -89,7 +88,7 @@ Test(mesh, patches_through_walls_look_from_their_rooms) {
     cr_assert(file_write(path, PLAN, sizeof PLAN - 1, &error), "%s", error.text);
     cr_assert(maps_read(path, &s.arena, &s.building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&s.building, &options, &s.arena, &s.graph, &error), "%s", error.text);
-    cr_assert(mesh_build(&s.graph, NULL, NULL, &coarse, &s.arena, &s.mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(&s.graph, NULL, &coarse, &s.arena, &s.mesh, &error), "%s", error.text);
     cr_assert_eq(s.mesh.lost_patches, 1);
     for (int i = 0; i < 4; i++) {
         const Patch *patch = &s.mesh.patches[s.mesh.faces[s.mesh.face_of[i]].first_patch];
@@ -118,7 +117,7 @@ Test(mesh, every_vertex_on_an_edge_is_a_corner_there) {
     MeshOptions mesh_options = {.element = 0.9, .per_patch = 2};
     s.building = *fixture_rooms(&s.arena, &random, 2, 2, 2);
     cr_assert(vis_build_cells(&s.building, &options, &s.arena, &s.graph, &error), "%s", error.text);
-    cr_assert(mesh_build(&s.graph, NULL, NULL, &mesh_options, &s.arena, &s.mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(&s.graph, NULL, &mesh_options, &s.arena, &s.mesh, &error), "%s", error.text);
     mesh_check_mesh(&s.mesh, s.graph.vertices);
     check_anchors(&s.mesh);
     arena_free(&s.arena);

@@ -30,7 +30,7 @@ static bool finish(Sheets *s, double element, int per_patch, Error *error) {
     s->graph.locator_first = ARENA_ARRAY(&s->arena, int, 2);
     s->graph.locator = (SquareGrid){.size = 1, .nx = 1, .ny = 1};
     MeshOptions options = {.element = element, .per_patch = per_patch};
-    return mesh_build(&s->graph, NULL, NULL, &options, &s->arena, &s->mesh, error);
+    return mesh_build(&s->graph, NULL, &options, &s->arena, &s->mesh, error);
 }
 
 // Lopsided convex polygons in any plane, in grids of any fineness.

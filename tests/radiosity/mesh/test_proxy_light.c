@@ -12,7 +12,7 @@
 static void build(Lit *lit, const Proxies *proxies, double close, Mesh *out) {
     Error error = {""};
     MeshOptions options = {.element = 0.25, .per_patch = 2, .close = close, .proxies = proxies};
-    cr_assert(mesh_build(&lit->graph, NULL, NULL, &options, &lit->arena, out, &error), "%s", error.text);
+    cr_assert(mesh_build(&lit->graph, NULL, &options, &lit->arena, out, &error), "%s", error.text);
 }
 
 // Proves that what emits light is there as it is, and that none of it is lost on stand-ins: emitted is absorbed, escaped and unshot,

@@ -30,7 +30,7 @@ typedef struct How {
 static Mesh adapted(Lit *lit, const How *how) {
     Mesh mesh;
     Error error = {""};
-    AdaptScene scene = {&lit->graph, NULL, &lit->forest, NULL};
+    AdaptScene scene = {&lit->graph, &lit->forest, NULL};
     MeshOptions options = {.element = how->element > 0 ? how->element : 0.25, .per_patch = 2, .close = 0.05};
     AdaptOptions adapt = adapt_default_options();
     RadOptions rad = rad_default_options();
@@ -46,7 +46,7 @@ static Mesh even(Lit *lit, double element) {
     Mesh mesh;
     Error error = {""};
     MeshOptions options = {.element = element, .per_patch = 2, .close = 0.05};
-    cr_assert(mesh_build(&lit->graph, NULL, NULL, &options, &lit->arena, &mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(&lit->graph, NULL, &options, &lit->arena, &mesh, &error), "%s", error.text);
     return mesh;
 }
 
@@ -224,7 +224,7 @@ Test(adapt, comes_back_from_a_file) {
     float doors[1];
     cr_assert_eq(lit->building->opening_count, 0);
     cr_assert(rad_load_options(path, lit->building, &lit->arena, &stored, doors, &error), "%s", error.text);
-    cr_assert(mesh_build(&lit->graph, NULL, NULL, &stored, &lit->arena, &again, &error), "%s", error.text);
+    cr_assert(mesh_build(&lit->graph, NULL, &stored, &lit->arena, &again, &error), "%s", error.text);
     check_same(&mesh, &again);
     cr_assert(rad_load(path, &again, NULL, &lit->arena, &back, &error), "%s", error.text);
     cr_assert_arr_eq(back.radiosity, s.radiosity, (size_t)s.element_count * sizeof *s.radiosity);

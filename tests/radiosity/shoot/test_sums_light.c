@@ -119,13 +119,13 @@ static void sum_light(SumFile *f, const char *name, Lit *lit, const MeshOptions 
     RadOptions rad = rad_default_options();
     RadSolution solution, dark;
     AdaptOptions adapt = adapt_default_options();
-    AdaptScene scene = {&lit->graph, NULL, &lit->forest, NULL};
+    AdaptScene scene = {&lit->graph, &lit->forest, NULL};
     rad.shots = 60;
     rad.threads = 2;
     rad.form_factor.resolution = 40;
     adapt.few = 4000;
     bool made = adaptive ? adapt_mesh(&scene, options, &adapt, &rad, NULL, &lit->arena, &lit->mesh, &error)
-                         : mesh_build(&lit->graph, NULL, NULL, options, &lit->arena, &lit->mesh, &error);
+                         : mesh_build(&lit->graph, NULL, options, &lit->arena, &lit->mesh, &error);
     cr_assert(made, "%s", error.text);
     sums_scene(f, name);
     sum_mesh(f, &lit->mesh);

@@ -70,8 +70,7 @@ static Lit *rooms_with_glass_door(float open) {
                            0.25, 2);
     Error error;
     MeshOptions options = {.element = 0.25, .per_patch = 2};
-    cr_assert(mesh_build(&lit->graph, NULL, &open, &options, &lit->arena, &lit->mesh, &error), "%s",
-              error.text);
+    cr_assert(mesh_build(&lit->graph, &open, &options, &lit->arena, &lit->mesh, &error), "%s", error.text);
     cr_expect_eq(lit->mesh.panes.count, open > 0 ? 0 : 1);
     return lit;
 }

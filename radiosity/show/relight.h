@@ -1,0 +1,41 @@
+// relight.h - light that follows doors and lamps: what a door cannot have changed is kept, the rest is found anew, and light is shot again
+// along rows of which most are kept. So a state of doors and lamps has the same light however it came about.
+//
+// Sources: S. E. Chen, Incremental Radiosity: An Extension of Progressive Radiosity to an Interactive Image Synthesis System, 1990;
+// D. W. George, F. X. Sillion & D. P. Greenberg, Radiosity Redistribution for Dynamic Environments, 1990. Departure: both shoot differences,
+// positive and negative, which add up from change to change; here rows are what is kept, and shots, which are cheap, begin from nothing.
+#ifndef RADIOSITY_RELIGHT_H
+#define RADIOSITY_RELIGHT_H
+
+#include "radiosity/mesh/lamps.h"
+#include "radiosity/show/direct.h"
+
+// What light needs to follow. It was shot with all lamps fully lit along `options->rows`, and shown with its sources apart
+// (each_lamp_sources), while the doors stood as `door_open` says.
+typedef struct Relight {
+    Mesh *mesh;
+    const Lamps *lamps;
+    const StabForest *forest;
+    float *
+        door_open;  // [opening_count] the array that mesh, rows and sources were made with; relight_state changes it
+    const RadOptions *options;
+    DirectSources *sources;
+    const RadSolution *all;  // that light, whose choices stay
+} Relight;
+
+// The work of a change.
+typedef struct RelightReport {
+    int doors, rows;   // doors that moved; rows that were dropped for it
+    long long points;  // at which light straight from the sources was found anew
+} RelightReport;
+
+// Before direct_show_apart: the mesh that shows the light is to be fine enough with all doors closed, and with all wide open.
+void relight_prepare(DirectSources *sources, Mesh *mesh, Arena *arena);
+
+// The light with the doors `door_open` [opening_count] and lamps `lit` [lamps->count], gathered and shown on the same nodes. Lives in the
+// arena. The same, to rounding, whatever states came before it; the same states give the same bytes on any number of threads. False where
+// progress asked to stop.
+bool relight_state(Relight *relight, const float *door_open, const Rgb *lit, const Progress *progress,
+                   Arena *arena, RadSolution *out, RelightReport *report);
+
+#endif

@@ -216,7 +216,7 @@ typedef struct Baking {
     RadSolution *solution;
     float *doors;
     Arena *arena;
-    // Of light that follows, else NULL.
+    // Where light is to follow, else NULL.
     DirectSources *sources;
     const Mesh *drawn;  // the mesh, or a copy of it whose doors stay
 } Baking;

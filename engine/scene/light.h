@@ -64,8 +64,8 @@ LightBaker light_baker(LoadedScene *scene, Arena *arena);
 RadSolution light_of_source(const WalkLight *light, int source, Arena *arena);
 
 // The light with the doors, [opening_count], and the lamps, [count of the scene's], elsewhere than where light->solution has them, on
-// light->mesh, as light_of_source gives it. The light must have a `follower`, which one thread at a time may ask. False where progress asked
-// to stop. The result lives in the arena.
+// light->mesh, as light_of_source gives it. The light must have a `follower`, which one thread at a time may ask. False where progress
+// asked to stop. The result lives in the arena.
 bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
                   Arena *arena, RadSolution *out);
 // The lamps of a light that follows.

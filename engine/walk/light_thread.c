@@ -192,7 +192,7 @@ static void make_state(LightThread *t) {
 }
 
 // Can the state that is asked for be made of what is there? Of doors elsewhere only a light that follows them knows anything.
-static bool is_known(LightThread *t) {
+static bool can_make(LightThread *t) {
     if (!t->states) return false;
     pthread_mutex_lock(&t->lock);
     bool known = t->base->follower || !t->doors_move || lit_states_sums(t->states, t->doors);
@@ -215,7 +215,7 @@ static void serve_states(LightThread *t) {
         pthread_mutex_unlock(&t->lock);
         if (atomic_load(&t->stop)) return;
         if (!asked) continue;
-        if (!is_known(t) && !tried) {
+        if (!can_make(t) && !tried) {
             bake_anew(t);
             tried = true;
         }

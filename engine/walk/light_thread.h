@@ -33,7 +33,8 @@ const char *light_thread_note(const LightThread *thread);
 // ---- lamps and doors
 
 // Asks for the light with the lamps, [count of the scene's lamps], and the doors, [opening_count] (NULL: as they were baked), in a state,
-// which is copied; the newest one asked for is made. What that takes is found first where it is not known yet: by a bake anew, where light was stored without.
+// which is copied; the newest one asked for is made. What that takes is found first where it is not known yet: by a bake anew, where light
+// was stored without.
 void light_thread_ask(LightThread *thread, const Rgb *lit, int count, const float *doors, int openings);
 enum {
     LAMPS_KNOWN,    // the next state asked for comes at once

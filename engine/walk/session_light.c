@@ -30,18 +30,28 @@ static void tell_end(Session *s) {
 void session_ask_light(Shown *shown) {
     const Building *b = shown->scene.graph->building;
     light_thread_ask(shown->baking, shown->lit, shown->scene.scene->lamps.count,
-                     shown->doors_moved ? shown->doors.open : NULL, b->opening_count);
+                     shown->doors_moved ? shown->asked_open : NULL, b->opening_count);
 }
 
-// A door that moves asks for its light on its way as well: the newest state is made, as soon as the one before is there.
+// Where a door stands, or will stand once it has moved: so its light is there the sooner.
+static float stands(const Session *s, int opening) {
+    const Doors *doors = &s->shown->doors;
+    return !s->replay && doors->halt[opening] == DOOR_FREE ? doors->wanted[opening] : doors->open[opening];
+}
+
+// Asks for the light of the doors when one of them begins to move, or is stopped on its way.
 static void follow_doors(Session *s) {
     Shown *shown = s->shown;
-    const int doors = shown->scene.graph->building->opening_count;
+    bool moved = false;
     if (!shown->scene.scene || !session_light_shown(s) || light_thread_end(shown->baking) != LIGHT_READY ||
-        !light_thread_switches(shown->baking) ||
-        memcmp(shown->asked_open, shown->doors.open, (size_t)doors * sizeof(float)) == 0)
+        !light_thread_switches(shown->baking))
         return;
-    memcpy(shown->asked_open, shown->doors.open, (size_t)doors * sizeof(float));
+    for (int i = 0; i < shown->scene.graph->building->opening_count; i++) {
+        float now = stands(s, i);
+        moved = moved || now != shown->asked_open[i];
+        shown->asked_open[i] = now;
+    }
+    if (!moved) return;
     shown->doors_moved = true;
     session_ask_light(shown);
 }

@@ -41,6 +41,7 @@ typedef struct View {
     const uint64_t *doors;  // a bit for each opening: may its door, moved, change the view? NULL: any may
 } View;
 
+// Is the bit of an opening set?
 static inline bool view_has_door(const uint64_t *doors, int opening) {
     return !doors || (doors[opening / 64] >> opening % 64 & 1);
 }

@@ -9,9 +9,6 @@
 
 // More elements than this are refused: a row of doubles for each thread must fit in memory.
 static const double MOST_ELEMENTS = 2e7;
-// The cell of a patch is the one that contains a point this far in front of its face, metres: more than rounding, less than any gap
-// in a building.
-static const double IN_FRONT = 1e-6;
 
 MeshOptions mesh_default_options(void) {
     return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05, .proxy = PROXY_TOLERANCE};
@@ -127,53 +124,6 @@ static void add_faces(MeshBuilder *builder, FaceList *list) {
     }
 }
 
-// ---- cells of patches
-
-// For a patch whose centre lies inside a wall that its polygon goes through (a roof over a gable, the frame of a door): the largest
-// part of an element that lies in a cell becomes the patch's centre and cell, because the patch's light comes from there.
-static void find_part(Mesh *mesh, Patch *patch) {
-    Vec3 front = vec3_scale(mesh->faces[patch->face].plane.n, IN_FRONT), middle;
-    Arena scratch = {0};
-    double largest = 0, area;
-    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        Vec3 *v = ARENA_ARRAY(&scratch, Vec3, element->corner_count);
-        for (int i = 0; i < element->corner_count; i++)
-            v[i] = vec3_add(mesh->vertices[mesh->corners[element->first_corner + i]], front);
-        int cell = vis_locate_part(mesh->graph, v, element->corner_count, &scratch, &middle, &area);
-        if (cell < 0 || area <= largest) continue;
-        largest = area;
-        patch->cell = cell;
-        patch->centre = vec3_sub(middle, front);
-    }
-    arena_free(&scratch);
-}
-
-int mesh_find_cell(Mesh *mesh, int index, int hint) {
-    Patch *patch = &mesh->patches[index];
-    Vec3 n = mesh->faces[patch->face].plane.n;
-    patch->cell = vis_locate(mesh->graph, vec3_add(patch->centre, vec3_scale(n, IN_FRONT)), hint);
-    if (patch->cell < 0) find_part(mesh, patch);
-    return patch->cell;
-}
-
-static void find_cells(Mesh *mesh) {
-    const CellGraph *graph = mesh->graph;
-    Arena scratch = {0};
-    int *cell_of = ARENA_ARRAY(&scratch, int, graph->object_count), hint = -1;
-    for (int o = 0; o < graph->object_count; o++) cell_of[o] = -1;
-    for (int c = 0; c < graph->cell_count; c++)
-        for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++) cell_of[o] = c;
-    for (int i = 0; i < mesh->patch_count; i++) {
-        int surface = cell_of[mesh->faces[mesh->patches[i].face].object];
-        mesh->patches[i].cell = surface;
-        if (surface < 0) surface = mesh_find_cell(mesh, i, hint);
-        if (surface >= 0) hint = surface;
-        mesh->lost_patches += surface < 0;
-    }
-    arena_free(&scratch);
-}
-
 bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOptions *options, Arena *arena,
                 Mesh *out, Error *error) {
     CORE_ASSERT(options->element >= 0.01 && options->element <= 100);
@@ -196,7 +146,7 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
         out->vertex_count = builder.places.count;
         mesh_find_reflectances(out, arena);
         mesh_find_moving(out, arena);
-        find_cells(out);
+        mesh_find_cells(out);
         mesh_pose(out, door_open);
     }
     arena_free(&builder.scratch);

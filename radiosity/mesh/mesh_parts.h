@@ -31,7 +31,9 @@ void mesh_anchor_elements(MeshBuilder *builder);
 // mesh_contacts.c: finds the cuts of all faces, after mesh_anchor_outlines. False where there are too many faces to search.
 bool mesh_find_cuts(MeshBuilder *builder);
 
-// mesh.c: finds the cell of a patch that belongs to no cell's own surfaces, -1: it is inside a wall. `hint` as for vis_locate. Where the
+// mesh_cells.c: finds the cells of all patches.
+void mesh_find_cells(Mesh *mesh);
+// The same of one that belongs to no cell's own surfaces, -1: it is inside a wall. `hint` as for vis_locate. Where the
 // centre is inside a wall another point becomes the centre.
 int mesh_find_cell(Mesh *mesh, int patch, int hint);
 // mesh_pose.c: notes what moves, once all but the cells of patches is made.

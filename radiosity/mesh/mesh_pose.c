@@ -80,7 +80,7 @@ void mesh_find_moving(Mesh *mesh, Arena *arena) {
 // ---- in motion
 
 // A direction of the leaf.
-static Vec3 turned(const Leaf *leaf, double open, Vec3 closed) {
+static Vec3 turn_with(const Leaf *leaf, double open, Vec3 closed) {
     double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
     if (angle == 0) return closed;
     return vec3(c * closed.x - s * closed.y, s * closed.x + c * closed.y, closed.z);
@@ -98,9 +98,9 @@ static void pose_face(Mesh *mesh, const MovingFace *from, const float *door_open
     double open = open_of(door_open, from->opening);
     face->open = open;
     face->origin = leaf_point(leaf, open, from->origin);
-    face->plane.n = turned(leaf, open, from->plane.n);
-    face->gx = turned(leaf, open, from->gx);
-    face->gy = turned(leaf, open, from->gy);
+    face->plane.n = turn_with(leaf, open, from->plane.n);
+    face->gx = turn_with(leaf, open, from->gx);
+    face->gy = turn_with(leaf, open, from->gy);
     face->plane.d = open == 0 ? from->plane.d : vec3_dot(face->plane.n, face->origin);
 }
 

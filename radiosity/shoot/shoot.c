@@ -28,8 +28,8 @@ static const double WORTH_MAKING = 1.0 / 16, WORTH_MAKING_LAST = 1.0 / 2;
 // The least share of the light that counts as indoors.
 static const double LEAST_INDOORS = 0.01;
 
-// Memory for rows, bytes.
-static const size_t ROWS = (size_t)128 << 20;
+// Memory for rows, bytes; and where the machine has eight times as much.
+static const size_t ROWS = (size_t)128 << 20, ROWS_WANTED = (size_t)512 << 20;
 
 RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
@@ -42,11 +42,11 @@ RadOptions rad_default_options(void) {
                         .row_bytes = ROWS};
 }
 
-// A mesh of more than so many elements gets so many bytes of rows for each element beyond: where rows do not fit, most of the time goes
-// into making them again.
+// Where rows do not fit, most of the time goes into making them again: in a small building each of ten thousand patches may see all
+// others. A mesh of more than so many elements gets so many bytes more for each element beyond.
 static size_t fitting_row_bytes(const Mesh *mesh) {
     static const double ELEMENTS = 120e3, BYTES = 8e3;
-    double wanted = (double)ROWS + BYTES * fmax(mesh->element_count - ELEMENTS, 0);
+    double wanted = (double)ROWS_WANTED + BYTES * fmax(mesh->element_count - ELEMENTS, 0);
     double machine = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     return (size_t)fmax(fmin(wanted, machine / 8), (double)ROWS);
 }

@@ -60,8 +60,8 @@ typedef struct Direct {
     double (*at_corner)[3];        // [corner_count]
     bool *known;                   // [corner_count] its light is in `at_corner`; NULL: none is
     bool *settled;                 // [patch_count] all light of its corners is known
-    // [patch_count * touched_words] a bit for each source whose light is to be found anew in a patch, while `corner_by` and `middle_by` hold
-    // that of the others; NULL: all light is.
+    // [patch_count * touched_words] a bit for each source whose light is to be found anew in a patch, while `corner_by` and `middle_by`
+    // hold that of the others; NULL: all light is.
     uint64_t *touched;
     int touched_words;
     // [face_count] the source of each lamp's face; NULL: sources are not told apart. The sun is source `day`

@@ -2,15 +2,15 @@
 // along rows of which most are kept. So a state of doors and lamps has the same light however it came about.
 //
 // Sources: S. E. Chen, Incremental Radiosity: An Extension of Progressive Radiosity to an Interactive Image Synthesis System, 1990;
-// D. W. George, F. X. Sillion & D. P. Greenberg, Radiosity Redistribution for Dynamic Environments, 1990. Departure: both shoot differences,
-// positive and negative, which add up from change to change; here rows are what is kept, and shots, which are cheap, begin from nothing.
+// D. W. George, F. X. Sillion & D. P. Greenberg, Radiosity Redistribution for Dynamic Environments, 1990. Departure: both shoot
+// differences, positive and negative, which add up from change to change; here rows are what is kept, and shots begin from nothing.
 #ifndef RADIOSITY_RELIGHT_H
 #define RADIOSITY_RELIGHT_H
 
 #include "radiosity/mesh/lamps.h"
 #include "radiosity/show/direct.h"
 
-// What light needs to follow. It was shot with all lamps fully lit along `options->rows`, and shown with its sources apart
+// The light that is to follow was shot with all lamps fully lit along `options->rows`, and shown with its sources apart
 // (each_lamp_sources), while the doors stood as `door_open` says.
 typedef struct Relight {
     Mesh *mesh;

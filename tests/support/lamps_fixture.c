@@ -47,7 +47,8 @@ static void copy(Arena *arena, double (**v)[3], int count) {
     *v = to;
 }
 
-void lamps3_bake(Lamps3 *l, double residual, int threads) {
+// Shoots and shows all light; its rows stay.
+static DirectSources *bake(Lamps3 *l, double residual, int threads, bool follow) {
     Error error = {""};
     BakeOptions a = bake_default_options();
     const StabForest *forest = &l->scene.forest;
@@ -63,21 +64,38 @@ void lamps3_bake(Lamps3 *l, double residual, int threads) {
     cr_assert(rad_start_dark(&l->mesh, &l->arena, &l->solution, &error), "%s", error.text);
     if (daylight_shines(&a.day))
         cr_assert(rad_shine(&l->mesh, forest, l->doors, &a.rad, &a.day, NULL, &l->solution));
-    a.rad.rows = shoot_rows_new(&l->mesh, forest, l->doors, &a.rad, &l->solution.day, &l->arena);
+    l->rad = a.rad;
+    l->rad.rows = shoot_rows_new(&l->mesh, forest, l->doors, &l->rad, &l->solution.day, &l->arena);
     DirectSources *sources = each_lamp_sources(&l->mesh, &l->scene.lamps, threads, &l->arena);
-    cr_assert_not(rad_shoot(&l->mesh, forest, l->doors, &a.rad, NULL, &l->solution).stopped);
+    if (follow) relight_prepare(sources, &l->mesh, &l->arena);
+    cr_assert_not(rad_shoot(&l->mesh, forest, l->doors, &l->rad, NULL, &l->solution).stopped);
     cr_assert(
         direct_show_apart(&l->mesh, forest, l->doors, threads, NULL, &l->arena, &l->solution, sources, NULL));
     l->joint = l->solution;
     copy(&l->arena, &l->joint.node, l->solution.node_count);
     copy(&l->arena, &l->joint.radiosity, l->solution.element_count);
-    EachLamp each = {&l->mesh, &l->scene.lamps, forest, l->doors, &a.rad, sources};
+    return sources;
+}
+
+void lamps3_bake(Lamps3 *l, double residual, int threads) {
+    DirectSources *sources = bake(l, residual, threads, false);
+    EachLamp each = {&l->mesh, &l->scene.lamps, &l->scene.forest, l->doors, &l->rad, sources};
     cr_assert(each_lamp_find(&each, NULL, &l->arena, &l->solution));
     direct_sources_end(sources);
-    shoot_rows_end(a.rad.rows);
+    shoot_rows_end(l->rad.rows);
+}
+
+void lamps3_follow(Lamps3 *l, double residual, int threads) {
+    DirectSources *sources = bake(l, residual, threads, true);
+    l->relight =
+        (Relight){&l->mesh, &l->scene.lamps, &l->scene.forest, l->doors, &l->rad, sources, &l->solution};
 }
 
 void lamps3_free(Lamps3 *l) {
+    if (l->relight.sources) {
+        direct_sources_end(l->relight.sources);
+        shoot_rows_end(l->rad.rows);
+    }
     arena_free(&l->arena);
     free(l);
 }

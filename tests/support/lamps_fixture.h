@@ -4,6 +4,7 @@
 
 #include "engine/scene/scene.h"
 #include "radiosity/show/each_lamp.h"
+#include "radiosity/show/relight.h"
 
 // A room with a panel in its ceiling and a glowing box, a second one with a panel behind a door that is half open, a third one of its own
 // with a light.
@@ -14,12 +15,16 @@ typedef struct Lamps3 {
     Mesh mesh;
     RadSolution solution;  // with `each`, as their sum
     RadSolution joint;     // as it was before, of all lamps together
+    RadOptions rad;
+    Relight relight;  // of lamps3_follow
 } Lamps3;
 
 // `day`: in daylight, through a window of the first room.
 Lamps3 *lamps3_load(bool day);
 // Shoots to a residual, and finds the light of each lamp.
 void lamps3_bake(Lamps3 *l, double residual, int threads);
+// Shoots to a residual, so that light can follow the doors: l->relight.
+void lamps3_follow(Lamps3 *l, double residual, int threads);
 void lamps3_free(Lamps3 *l);
 
 // The mesh with one lamp alone, fully lit.

@@ -1,5 +1,6 @@
-// bench_relight.c - how soon light follows the lamps, and how right it is then: sums of the light of each lamp, all light shot anew along
-// rows that are kept, and all from nothing, against lamps of which each is shot to a ten-millionth.
+// bench_relight.c - how soon light follows lamps and doors, and how right it is then. Lamps: sums of the light of each, all light shot anew
+// along rows that are kept, and all from nothing, against lamps of which each is shot to a ten-millionth. Doors: each is opened, or closed
+// where it stands open, and all light is found anew, against light that is shot to a ten-millionth in the same state.
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/show/each_lamp.h"
+#include "radiosity/show/relight.h"
 
 static const char HEAD[] =
     "building,change,method,ms_90,ms_whole,speedup,error_p99,error_mean,lamps,elements,mb\n";
@@ -30,6 +32,7 @@ typedef struct Relit {
     RadOptions rad;
     RadSolution solution, truth;  // both with `each`
     double bake_seconds, each_seconds;
+    DirectSources *sources;
     Text *csv;
 } Relit;
 
@@ -51,7 +54,8 @@ static bool bake_each(Relit *r, Arena *arena, Error *error) {
     rad_fit(&r->mesh, &r->rad);
     if (!rad_start(&r->mesh, arena, &r->solution, error)) return false;
     r->rad.rows = shoot_rows_new(&r->mesh, &r->scene.forest, r->doors, &r->rad, &r->solution.day, arena);
-    DirectSources *sources = each_lamp_sources(&r->mesh, &r->scene.lamps, 0, arena);
+    DirectSources *sources = r->sources = each_lamp_sources(&r->mesh, &r->scene.lamps, 0, arena);
+    relight_prepare(sources, &r->mesh, arena);
     rad_shoot(&r->mesh, &r->scene.forest, r->doors, &r->rad, NULL, &r->solution);
     direct_show_apart(&r->mesh, &r->scene.forest, r->doors, 0, NULL, arena, &r->solution, sources, NULL);
     r->bake_seconds = clock_seconds() - start;
@@ -65,7 +69,6 @@ static bool bake_each(Relit *r, Arena *arena, Error *error) {
     bool good = each_lamp_find(&each, NULL, arena, &r->solution);
     r->each_seconds = clock_seconds() - start;
     good = good && each_lamp_find(&exact, NULL, arena, &r->truth);
-    direct_sources_end(sources);
     return good || error_set(error, "%s: the light of each lamp could not be found", r->file);
 }
 
@@ -171,6 +174,54 @@ static void compare_states(Relit *r, const BenchArguments *a) {
     arena_free(&scratch);
 }
 
+// ---- doors
+
+// Doors of a building that are moved, at most.
+enum { DOORS = 24 };
+
+static void compare_doors(Relit *r) {
+    Arena scratch = {0};
+    const Building *b = &r->scene.building;
+    RadOptions fine = r->rad;
+    fine.residual = TRUTH / 10;
+    Relight relight = {&r->mesh, &r->scene.lamps, &r->scene.forest, r->doors,
+                       &r->rad,  r->sources,      &r->solution},
+            exact = relight;
+    exact.options = &fine;
+    int openings = b->opening_count, count = 0, nodes = r->solution.node_count;
+    float *doors = ARENA_ARRAY(&scratch, float, openings + 1);
+    Rgb *lit = ARENA_ARRAY(&scratch, Rgb, r->scene.lamps.count + 1);
+    Errors all = errors_new(nodes, DOORS, &scratch);
+    double sum = 0, worst = 0;
+    memcpy(doors, r->doors, (size_t)openings * sizeof *doors);
+    for (int i = 0; i < r->scene.lamps.count; i++) lit[i] = (Rgb){1, 1, 1};
+    for (int i = 0; i < openings && count < DOORS; i++) {
+        Arena found = {0};
+        RadSolution now, truth;
+        if (b->openings[i].kind != OPENING_DOOR) continue;
+        doors[i] = doors[i] > 0.5F ? 0 : 1;
+        double start = clock_seconds();
+        relight_state(&relight, doors, lit, NULL, &found, &now, NULL);
+        double seconds = clock_seconds() - start;
+        relight_state(&exact, doors, lit, NULL, &found, &truth, NULL);
+        Errors of_door = errors_new(nodes, 1, &found);
+        add_errors(&of_door, now.node, truth.node, r->truth.node, nodes);
+        add_errors(&all, now.node, truth.node, r->truth.node, nodes);
+        print_row(r, b->openings[i].name, "all shot anew; kept what the door cannot change", seconds,
+                  &of_door);
+        sum += seconds;
+        worst = fmax(worst, seconds);
+        count++;
+        arena_free(&found);
+    }
+    if (count > 0)
+        print_row(r, "a door in the mean", "all shot anew; kept what the door cannot change", sum / count,
+                  &all);
+    if (count > 0)
+        print_row(r, "the worst door", "all shot anew; kept what the door cannot change", worst, &all);
+    arena_free(&scratch);
+}
+
 static bool relight_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     Relit *r = calloc(1, sizeof *r);
     Arena arena = {0};
@@ -185,7 +236,9 @@ static bool relight_file(const char *file, const BenchArguments *a, Text *csv, E
         print_row(r, "all lamps", "each lamp by itself", r->each_seconds, &none);
         print_row(r, "all lamps", "all together", r->bake_seconds, &none);
         compare_states(r, a);
+        compare_doors(r);
     }
+    if (r->sources) direct_sources_end(r->sources);
     if (r->rad.rows) shoot_rows_end(r->rad.rows);
     arena_free(&arena);
     free(r);
@@ -201,11 +254,11 @@ static const Option ROWS[] = {BENCH_SEED("of the states"), OPTION_FILL_LAMPS(BEN
 
 const Bench BENCH_RELIGHT = {
     .name = "relight",
-    .about = "200 states of the lamps of each FILE: how soon their light is there, and how far it is off the "
-             "light of "
-             "lamps that are shot to a ten-millionth, at elements and at what is shown; relative to "
-             "the light "
-             "there, or to a thousandth of that of all lamps where that is more",
+    .about =
+        "200 states of the lamps of each FILE, and each of its doors opened or closed: how soon their light "
+        "is there, and how far it is off the light of lamps that are shot to a ten-millionth, at elements "
+        "and at what is shown; relative to the light there, or to a thousandth of that of all lamps where "
+        "that is more",
     BENCH_OPTIONS(ROWS),
     .run = measure_relight,
     .files = "build/maps/house.plan",

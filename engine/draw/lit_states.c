@@ -160,24 +160,35 @@ static void add_up(LitStates *s, const Rgb *lit) {
     add_differences(s, lit, -1);
 }
 
-bool lit_states_fill(LitStates *s, const Rgb *lit, const float *doors, const Progress *progress,
-                     LitLight *out) {
-    Arena scratch = {0};
-    RadSolution followed;
-    const RadSolution *found = &s->sum;
-    bool good = true;
-    if (!lit_states_sums(s, doors)) {
-        good = s->light->follower && light_follow(s->light, doors, lit, progress, &scratch, &followed);
-        found = &followed;
-    } else {
-        add_up(s, lit);
-    }
-    if (good) lit_light_fill(s->mesh, found, doors, out);
-    for (int i = 0; i < s->mesh->lamp_count && good; i++) {
+static void fill(LitStates *s, const Rgb *lit, const float *doors, const RadSolution *found, LitLight *out) {
+    lit_light_fill(s->mesh, found, doors, out);
+    for (int i = 0; i < s->mesh->lamp_count; i++) {
         Rgb share = lit[s->all->of_polygon[s->mesh->lamp[i]]];
         out->on[i] = share.r + share.g + share.b > 0;
         if (!out->on[i]) show_dark_lamp(s, i, out);
     }
+}
+
+bool lit_states_fill_soon(LitStates *s, const Rgb *lit, const float *doors, LitLight *out) {
+    Arena scratch = {0};
+    RadSolution found;
+    bool good = !lit_states_sums(s, doors) && s->light->follower &&
+                light_follow_soon(s->light, doors, lit, &scratch, &found);
+    if (good) fill(s, lit, doors, &found, out);
+    arena_free(&scratch);
+    return good;
+}
+
+bool lit_states_fill(LitStates *s, const Rgb *lit, const float *doors, const Progress *progress,
+                     LitLight *out) {
+    Arena scratch = {0};
+    RadSolution found;
+    bool sums = lit_states_sums(s, doors), good = true;
+    if (sums)
+        add_up(s, lit);
+    else
+        good = s->light->follower && light_follow(s->light, doors, lit, progress, &scratch, &found);
+    if (good) fill(s, lit, doors, sums ? &s->sum : &found, out);
     arena_free(&scratch);
     return good;
 }

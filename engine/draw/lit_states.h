@@ -17,6 +17,9 @@ bool lit_states_sums(const LitStates *states, const float *doors);
 // The light with the lamps, [count of all lamps], and the doors, [opening_count], in another state. As long as the doors stand as they were
 // baked, it is a sum, for which lamps that are not prepared are prepared; else it is found anew. False where progress asked to stop, or
 // nobody knows this light.
+//
+// lit_states_fill_soon is the first step where light is to be found anew: false where it is a sum, or nothing is known soon.
+bool lit_states_fill_soon(LitStates *states, const Rgb *lit, const float *doors, LitLight *out);
 bool lit_states_fill(LitStates *states, const Rgb *lit, const float *doors, const Progress *progress,
                      LitLight *out);
 

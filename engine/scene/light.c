@@ -62,20 +62,48 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena) {
     return draw_fine(light, s->lamps, &found, s->shown != s->found ? &shown : &found, lit, &one, arena);
 }
 
-// All that light needs to follow the doors.
+// All that light needs to follow the doors, and the light that was found last.
 typedef struct LightFollower {
     Relight relight;
     RadOptions rad;
+    RadSolution last;
+    Rgb *lit;       // [count of the lamps] of the last light
+    Arena kept[2];  // the last light lies in one of them
+    int at;
 } LightFollower;
+
+static RadSolution draw_followed(const WalkLight *light, const Rgb *lit, const RadSolution *found,
+                                 Arena *arena) {
+    const Relight *r = &light->follower->relight;
+    const Mesh *shown = direct_sources_shown(r->sources);
+    Mesh on = lamps_mesh(r->lamps, r->mesh, lit, arena), by = lamps_mesh(r->lamps, shown, lit, arena);
+    return draw_fine(light, r->lamps, &on, shown != r->mesh ? &by : &on, lit, found, arena);
+}
+
+bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,
+                       RadSolution *out) {
+    LightFollower *f = light->follower;
+    RadSolution found;
+    if (memcmp(lit, f->lit, (size_t)f->relight.lamps->count * sizeof *lit) != 0) return false;
+    relight_straight(&f->relight, door_open, lit, &f->last, arena, &found, NULL);
+    *out = draw_followed(light, lit, &found, arena);
+    return true;
+}
 
 bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
                   Arena *arena, RadSolution *out) {
-    Relight *r = &light->follower->relight;
+    LightFollower *f = light->follower;
+    Arena *room = &f->kept[1 - f->at];
+    size_t lamps = (size_t)f->relight.lamps->count;
     RadSolution found;
-    if (!relight_state(r, door_open, lit, progress, arena, &found, NULL)) return false;
-    const Mesh *shown = direct_sources_shown(r->sources);
-    Mesh on = lamps_mesh(r->lamps, r->mesh, lit, arena), by = lamps_mesh(r->lamps, shown, lit, arena);
-    *out = draw_fine(light, r->lamps, &on, shown != r->mesh ? &by : &on, lit, &found, arena);
+    arena_reset(room);
+    Rgb *own = ARENA_ARRAY(room, Rgb, lamps + 1);
+    memcpy(own, lit, lamps * sizeof *own);
+    if (!relight_state(&f->relight, door_open, own, progress, room, &found, NULL)) return false;
+    f->at = 1 - f->at;
+    f->last = found;
+    f->lit = own;
+    *out = draw_followed(light, lit, &found, arena);
     return true;
 }
 
@@ -85,6 +113,7 @@ void light_end(WalkLight *light) {
     if (!light->follower) return;
     shoot_rows_end(light->follower->rad.rows);
     direct_sources_end(light->follower->relight.sources);
+    for (int i = 0; i < 2; i++) arena_free(&light->follower->kept[i]);
     light->follower = NULL;
 }
 
@@ -283,6 +312,14 @@ static void begin_following(Baking *b, LightFollower *follower) {
         (Relight){b->mesh, &scene->lamps, &scene->forest, doors, &follower->rad, b->sources, b->solution};
 }
 
+// The light that was baked is the last one so far.
+static void begin_last(Baking *b, LightFollower *follower) {
+    int lamps = follower->relight.lamps->count;
+    follower->last = *b->solution;
+    follower->lit = ARENA_ARRAY(b->arena, Rgb, lamps + 1);
+    for (int i = 0; i < lamps; i++) follower->lit[i] = (Rgb){1, 1, 1};
+}
+
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
     const SceneBake *bake = context;
     const LoadedScene *scene = bake->scene;
@@ -313,7 +350,8 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     if (good && hooks->whole) hooks->whole(hooks->context, out);
     if (good && follower && scene->lamps.count > 0) bake_each(&b, out, error);
     bool follows =
-        good && follower && has_doors(&scene->building) && b.solution->gathered && b.solution->node;
+        good && follower && has_doors(&scene->building) && b.solution->gathered && b.solution->rest;
+    if (follows) begin_last(&b, follower);
     WalkLight kept = {.follower = follower};
     if (follows)
         out->follower = follower;

@@ -66,6 +66,11 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena);
 // The light with the doors, [opening_count], and the lamps, [count of the scene's], elsewhere than where light->solution has them, on
 // light->mesh, as light_of_source gives it. The light must have a `follower`, which one thread at a time may ask. False where progress
 // asked to stop. The result lives in the arena.
+//
+// light_follow_soon is the first step of it, soon done: the doors are there, but all light that is reflected is that of the last call.
+// False where the lamps are not as they were then.
+bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,
+                       RadSolution *out);
 bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
                   Arena *arena, RadSolution *out);
 // The lamps of a light that follows.

@@ -20,7 +20,7 @@ enum { NICE = 5 };
 
 // The last states are on a mesh of their own, the finest: of all lamps, and of those that were asked for since. Light that is baked anew
 // has states of its own, since the walk holds one of the others meanwhile.
-enum { STATES = 2, LAST = STATES, LAST_ANEW = 2 * STATES, ALL_STATES = 3 * STATES };
+enum { STATES = 3, LAST = STATES, LAST_ANEW = 2 * STATES, ALL_STATES = 3 * STATES };
 
 struct LightThread {
     LightBaker baker;
@@ -124,14 +124,17 @@ static void show_whole(void *context, const WalkLight *light) {
     atomic_store(&t->end, LIGHT_READY);
 }
 
-static int free_state(const LightThread *t) { return t->held == t->last ? t->last + 1 : t->last; }
-
-// Waits until the walk has fetched the state before, which tells the state that may change.
-static void show_again(LightThread *t, const WalkLight *light) {
+// A state on the mesh that is shown now that the walk neither holds nor is about to fetch.
+static int free_state(LightThread *t) {
     pthread_mutex_lock(&t->lock);
-    while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
-    int state = free_state(t);
+    int state = t->last;
+    while (state == t->held || state == t->fresh) state++;
     pthread_mutex_unlock(&t->lock);
+    return state;
+}
+
+static void show_again(LightThread *t, const WalkLight *light) {
+    int state = free_state(t);
     if (atomic_load(&t->stop)) return;
     lit_light_fill(atomic_load(&t->mesh), light->solution, light->door_open, &t->state[state]);
     hand_over(t, state, atomic_load(&t->mesh));
@@ -185,6 +188,10 @@ static void make_state(LightThread *t) {
     pthread_mutex_unlock(&t->lock);
     Progress progress = {goes_on, t};
     int state = free_state(t);
+    if (!atomic_load(&t->stop) && lit_states_fill_soon(t->states, lit, doors, &t->state[state])) {
+        hand_over(t, state, atomic_load(&t->mesh));
+        state = free_state(t);
+    }
     if (!atomic_load(&t->stop) && lit_states_fill(t->states, lit, doors, &progress, &t->state[state]))
         hand_over(t, state, atomic_load(&t->mesh));
     atomic_store(&t->making, false);

@@ -509,6 +509,22 @@ bool direct_show_source(DirectSources *s, double (*share)[3], const Mesh *lit, c
     return good;
 }
 
+void direct_show_straight(const DirectSources *s, double (*share)[3], const RadSolution *before, Arena *arena,
+                          RadSolution *out) {
+    Arena scratch = {0};
+    double(*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
+    *out = *before;
+    out->node = arena_alloc(arena, (size_t)s->nodes.count + 1, sizeof *out->node);
+    sources_at_nodes(s, share, at_node);
+    for (int n = 0; n < s->nodes.count; n++) {
+        double rho[3];
+        int face = s->shown->elements[s->nodes.element[s->nodes.first[n]]].face;
+        rgb_doubles(mesh_material(s->shown, face)->reflectance, rho);
+        for (int c = 0; c < 3; c++) out->node[n][c] = before->rest[n][c] + rho[c] * at_node[n][c];
+    }
+    arena_free(&scratch);
+}
+
 // ---- doors
 
 // Sources of points whose light was found anew are forgotten; their memory is given back once it is most of all.

@@ -48,6 +48,11 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
 bool direct_show_source(DirectSources *sources, double (*share)[3], const Mesh *lit, const Progress *progress,
                         Arena *arena, RadSolution *solution);
 
+// Only the light straight from the sources in a state of theirs; all other light is that of `before`, which was shown on these nodes in the
+// same state of the lamps. `out` shares with it all but the light at nodes.
+void direct_show_straight(const DirectSources *sources, double (*share)[3], const RadSolution *before,
+                          Arena *arena, RadSolution *out);
+
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.
 #define DIRECT_MOST_PAIRS 20e6
 

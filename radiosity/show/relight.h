@@ -35,6 +35,11 @@ void relight_prepare(DirectSources *sources, Mesh *mesh, Arena *arena);
 // The light with the doors `door_open` [opening_count] and lamps `lit` [lamps->count], gathered and shown on the same nodes. Lives in the
 // arena. The same, to rounding, whatever states came before it; the same states give the same bytes on any number of threads. False where
 // progress asked to stop.
+//
+// relight_straight is the first step of it, soon done: all but the light straight from lamps and the sun is that of `before`, which the
+// result shares: a light of these lamps that relight_state has found, or `all`.
+void relight_straight(Relight *relight, const float *door_open, const Rgb *lit, const RadSolution *before,
+                      Arena *arena, RadSolution *out, RelightReport *report);
 bool relight_state(Relight *relight, const float *door_open, const Rgb *lit, const Progress *progress,
                    Arena *arena, RadSolution *out, RelightReport *report);
 

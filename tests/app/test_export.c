@@ -80,7 +80,8 @@ static Moment moment_of_written(const Written *w) {
     const Mesh *mesh = &w->lit->mesh;
     Moment m = {0};
     for (int e = 0; e < mesh->element_count; e++)
-        add_moment(&m, mesh->elements[e].area, element_centroid(mesh, e));
+        if (!mesh->faces[mesh->elements[e].face].hidden)
+            add_moment(&m, mesh->elements[e].area, element_centroid(mesh, e));
     for (int p = 0; p < graph->polygon_count; p++)
         if (vis_is_glass(graph, p))
             add_polygon(&m, w->posed + graph->polygons[p].first_vertex, graph->polygons[p].vertex_count);

@@ -174,12 +174,15 @@ Test(ray_tree, meets_what_embree_meets) {
         Lit *lit = lit_rooms(seed);
         const CellGraph *g = &lit->graph;
         Random random = {seed};
-        int *list = ARENA_ARRAY(&lit->arena, int, lit->mesh.face_count + 1);
-        for (int f = 0; f < lit->mesh.face_count; f++) list[f] = lit->mesh.faces[f].polygon;
-        RaySource source = {.polygons = g->polygons,
-                            .vertices = g->vertices,
-                            .list = list,
-                            .list_count = lit->mesh.face_count};
+        int *list = ARENA_ARRAY(&lit->arena, int, lit->mesh.face_count + 1), listed = 0,
+            *item_of = ARENA_ARRAY(&lit->arena, int, lit->mesh.face_count + 1);
+        for (int f = 0; f < lit->mesh.face_count; f++) {
+            if (lit->mesh.faces[f].hidden) continue;
+            item_of[f] = listed;
+            list[listed++] = lit->mesh.faces[f].polygon;
+        }
+        RaySource source = {
+            .polygons = g->polygons, .vertices = g->vertices, .list = list, .list_count = listed};
         Rays *rays = rays_new(&source, &lit->arena);
         RayCaster *embree = ray_caster_new(&lit->mesh, &lit->arena);
         for (int i = 0; i < count / 4 / LANES; i++) {
@@ -193,6 +196,7 @@ Test(ray_tree, meets_what_embree_meets) {
             }
             ray_caster_cast(embree, eye, vec3(0, 0, 1), &eight, lane_int_of(-1), false, face, element);
             for (int k = 0; k < LANES; k++) {
+                if (face[k] >= 0) face[k] = item_of[face[k]];
                 Ray ray = {eye, way[k], 0, INFINITY};
                 SurfaceHit hit = surface_tree_first(&rays->tree, &ray);
                 if (hit.item == face[k]) {

@@ -266,6 +266,91 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int 
     return go_on;
 }
 
+// Where light is found that is shown on a finer mesh, the same for all light.
+typedef struct ReflectedPlaces {
+    Nodes own;      // of the mesh that light was found on
+    int *triangle;  // of its elements
+    int *in;        // [shown->element_count] the element around each
+    int *part;      // [count] elements that gather light by themselves
+    int count;
+    bool *anew;  // [nodes of the finer mesh] of parts
+} ReflectedPlaces;
+
+static ReflectedPlaces *find_places(const Mesh *mesh, const MeshDepth *halved, const Mesh *shown,
+                                    const Nodes *nodes, Arena *arena) {
+    ReflectedPlaces *p = ARENA_ARRAY(arena, ReflectedPlaces, 1);
+    p->own = nodes_of(mesh, arena);
+    p->triangle = reconstruct_triangles(mesh, arena);
+    p->in = ARENA_ARRAY(arena, int, shown->element_count + 1);
+    p->part = ARENA_ARRAY(arena, int, shown->element_count + 1);
+    p->anew = ARENA_ARRAY(arena, bool, nodes->count + 1);
+    for (int e = 0; e < shown->element_count; e++) {
+        const Element *element = &shown->elements[e];
+        p->in[e] = shown_around(mesh, shown, e);
+        if (!halved || halved[p->in[e]].x + halved[p->in[e]].y == 0) continue;
+        p->part[p->count++] = e;
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
+            p->anew[nodes->of_corner[c]] = true;
+    }
+    return p;
+}
+
+// Light between the nodes of the mesh that it was found on.
+typedef struct Between {
+    const Mesh *mesh, *shown;
+    const Nodes *nodes;
+    const ReflectedPlaces *places;
+    VertexLight light;
+    double (*value)[3], (*out)[3];  // [shown->element_count], [nodes->count]
+} Between;
+
+// Elements or nodes that one thread takes at a time.
+enum { AT_A_TIME = 2048 };
+
+static int times(int count) { return (count + AT_A_TIME - 1) / AT_A_TIME; }
+
+static void light_middles(void *context, int index, int thread) {
+    const Between *b = context;
+    int first = index * AT_A_TIME, end = first + AT_A_TIME;
+    (void)thread;
+    for (int e = first; e < end && e < b->shown->element_count; e++)
+        reconstruct_in(b->mesh, &b->light, b->places->in[e], element_centroid(b->shown, e), b->value[e]);
+}
+
+static void light_nodes(void *context, int index, int thread) {
+    const Between *b = context;
+    const Nodes *nodes = b->nodes;
+    int first = index * AT_A_TIME, end = first + AT_A_TIME;
+    (void)thread;
+    for (int n = first; n < end && n < nodes->count; n++)
+        if (!b->places->anew[n])
+            reconstruct_in(b->mesh, &b->light, b->places->in[nodes->element[nodes->first[n]]],
+                           b->shown->vertices[nodes->vertex[n]], b->out[n]);
+}
+
+// The solution without what strong patches reflect, which parts have as it is around them.
+static RadSolution weak_light(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
+    RadSolution weak = *solution;
+    weak.radiosity = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *weak.radiosity);
+    for (int e = 0; e < mesh->element_count; e++) {
+        if (!weak.strong[mesh->elements[e].patch])
+            memcpy(weak.radiosity[e], solution->radiosity[e], sizeof *weak.radiosity);
+        else
+            rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, weak.radiosity[e]);
+    }
+    return weak;
+}
+
+// Values at the nodes of the mesh that light was found on, at its corners.
+static double (*at_corners(const Mesh *mesh, const Nodes *own, bool of_patches, double (*value)[3],
+                           Arena *arena))[3] {
+    double(*node)[3] = arena_alloc(arena, (size_t)own->count + 1, sizeof *node),
+    (*out)[3] = arena_alloc(arena, (size_t)mesh->corner_count + 1, sizeof *out);
+    reconstruct_values(mesh, own, of_patches, value, NULL, node, NULL);
+    for (int i = 0; i < mesh->corner_count; i++) memcpy(out[i], node[own->of_corner[i]], sizeof *node);
+    return out;
+}
+
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
                      int threads, PartRows *kept, const Progress *progress, double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
@@ -278,57 +363,31 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
         arena_free(&scratch);
         return true;
     }
-    Nodes own = nodes_of(mesh, &scratch);
-    double(*node)[3] = arena_alloc(&scratch, (size_t)own.count + 1, sizeof *node);
+    ReflectedPlaces *places = kept && kept->places
+                                  ? kept->places
+                                  : find_places(mesh, halved, shown, nodes, kept ? &kept->arena : &scratch);
+    if (kept) kept->places = places;
+    nodes_pose(&places->own, mesh);
     double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);
-    double(*sent)[3] = arena_alloc(&scratch, (size_t)own.count + 1, sizeof *sent);
-    int *in = ARENA_ARRAY(&scratch, int, shown->element_count + 1);
-    int *part = ARENA_ARRAY(&scratch, int, shown->element_count + 1), count = 0;
-    bool *anew = ARENA_ARRAY(&scratch, bool, nodes->count + 1);  // nodes of parts
-    VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
-    reconstruct_values(mesh, &own, false, coarse, NULL, node, NULL);
-    for (int i = 0; i < mesh->corner_count; i++)
-        memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
-    light.triangle = reconstruct_triangles(mesh, &scratch);
-    VertexLight by_strong = light;
-    by_strong.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *by_strong.corner);
-    reconstruct_values(mesh, &own, true, scene->solution->sent, NULL, sent, NULL);
-    for (int i = 0; i < mesh->corner_count; i++)
-        memcpy(by_strong.corner[i], sent[own.of_corner[i]], sizeof *sent);
-    for (int e = 0; e < shown->element_count; e++) {
-        in[e] = shown_around(mesh, shown, e);
-        if (halved && halved[in[e]].x + halved[in[e]].y > 0)
-            part[count++] = e;
-        else
-            reconstruct_in(mesh, &light, in[e], element_centroid(shown, e), value[e]);
-    }
-    // Parts gather the light of weak patches, and have that of strong ones as it is around them.
-    RadSolution weak = *scene->solution;
+    Between between = {mesh, shown, nodes, places, {.triangle = places->triangle}, value, out},
+            by_strong = between;
+    between.light.corner = at_corners(mesh, &places->own, false, coarse, &scratch);
+    by_strong.light.corner = at_corners(mesh, &places->own, true, scene->solution->sent, &scratch);
+    int workers = parallel_threads(threads);
+    parallel_for(workers, times(shown->element_count), light_middles, &between);
+    RadSolution weak = weak_light(mesh, scene->solution, &scratch);
     GatherScene weak_scene = *scene;
     weak_scene.solution = &weak;
-    weak.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *weak.radiosity);
-    for (int e = 0; e < mesh->element_count; e++) {
-        if (!weak.strong[mesh->elements[e].patch])
-            memcpy(weak.radiosity[e], scene->solution->radiosity[e], sizeof *weak.radiosity);
-        else
-            rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, weak.radiosity[e]);
-    }
-    bool go_on = gather_parts(&weak_scene, shown, part, count, in, threads, kept, progress, value);
-    for (int i = 0; i < count; i++) {
+    bool go_on = gather_parts(&weak_scene, shown, places->part, places->count, places->in, threads, kept,
+                              progress, value);
+    for (int i = 0; i < places->count; i++) {
+        int part = places->part[i];
         double more[3];
-        reconstruct_in(mesh, &by_strong, in[part[i]], element_centroid(shown, part[i]), more);
-        for (int c = 0; c < 3; c++) value[part[i]][c] += more[c];
+        reconstruct_in(mesh, &by_strong.light, places->in[part], element_centroid(shown, part), more);
+        for (int c = 0; c < 3; c++) value[part][c] += more[c];
     }
-    for (int i = 0; i < count; i++) {
-        const Element *e = &shown->elements[part[i]];
-        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
-            anew[nodes->of_corner[c]] = true;
-    }
-    if (go_on) reconstruct_values(shown, nodes, false, value, anew, out, NULL);
-    for (int n = 0; n < nodes->count; n++)
-        if (!anew[n])
-            reconstruct_in(mesh, &light, in[nodes->element[nodes->first[n]]],
-                           shown->vertices[nodes->vertex[n]], out[n]);
+    if (go_on) reconstruct_values(shown, nodes, false, value, places->anew, out, NULL);
+    parallel_for(workers, times(nodes->count), light_nodes, &between);
     arena_free(&scratch);
     return go_on;
 }

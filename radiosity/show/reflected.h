@@ -16,6 +16,7 @@ typedef struct PartRows {
     bool *there;     // [count]
     int *leaf;       // [count] the leaf that the part lies on, -1
     int count, thread_count;
+    struct ReflectedPlaces *places;  // where light is found, which stays from light to light
     Arena arena;
     Arena *kept;  // [thread_count]
 } PartRows;

@@ -482,11 +482,23 @@ def changed_while_lit(v):
     w.key("F5")
 
 
+def light_follows(v):
+    """Doors move: the light that is shown is behind them at first, and then theirs."""
+    w = v.walker
+    w.until(lambda now: now["light"]["lamps_known"], "the light of each lamp", 400)
+    v.expect(not w.now["light"]["behind"], "light is behind doors that have not moved")
+    w.key("o")
+    w.until(lambda now: now["light"]["behind"], "light that is behind the doors", 10)
+    open_all_doors(v)
+    w.until(lambda now: not now["light"]["behind"], "light that has followed the doors", 120)
+
+
 def lit_pictures(v):
     """The light of the lamps, and a view in each of the false colours with its scale."""
     w = v.walker
     v.resize(*PICTURE_SIZE)
     open_all_doors(v)
+    w.until(lambda now: not now["light"]["behind"], "light that has followed the doors", 120)
     v.press_all("m")
     for name in LIT_VIEWS:
         jump(v, name)
@@ -563,7 +575,7 @@ def main():
         sys.exit(not (visit(arguments, keep, [], [small, light_arrives]) and good))
     good = "--lit" in sys.argv or visit(arguments, keep, ["--no-bake"], PARTS)
     # In the end a walk that is lit as it goes on; with --lit this one alone.
-    good = visit(arguments, keep, [], [light_arrives, lit_pictures, lamps]) and good
+    good = visit(arguments, keep, [], [light_arrives, light_follows, lit_pictures, lamps]) and good
     sys.exit(not good)
 
 

@@ -251,3 +251,76 @@ Test(light_thread, lamps_that_are_never_known, .timeout = 60) {
     lit_free(puppet.lit);
     arena_free(&arena);
 }
+
+// ---- doors
+
+// Takes all states on the way; the last one is held.
+static LitLight wait_until_followed(LightThread *thread) {
+    const LitLight *last = NULL;
+    for (;;) {
+        // Asked in this order: what is not behind any more has been handed over.
+        bool behind = light_thread_behind(thread);
+        const LitLight *light = light_thread_light(thread);
+        if (light) {
+            last = light;
+            light_thread_received(thread);
+        } else if (!behind) {
+            break;
+        }
+        light_thread_check_nap();
+    }
+    cr_assert(last);
+    return *last;
+}
+
+// Proves that light follows a door in two steps, of which the first one is soon there, that each of them says where its doors stand, and that
+// the light as it was comes back, to the last bit, when the door is back.
+Test(light_thread, light_follows_a_door, .timeout = 240) {
+    Arena arena = {0};
+    Lamps3 *l = lamps3_load(false);
+    LightBaker baker = light_baker(&l->scene, &l->arena);
+    LightThread *thread = light_thread_start(&baker, NULL, NULL, &arena);
+    int openings = l->scene.building.opening_count, door = 0;
+    const Opening *opening = l->scene.building.openings;
+    while (opening[door].kind != OPENING_DOOR) door++;
+    cr_assert(thread);
+    while (light_thread_lamps(thread) != LAMPS_KNOWN) {
+        if (light_thread_light(thread)) light_thread_received(thread);
+        light_thread_check_nap();
+    }
+    float doors[8];
+    Rgb lit[4];
+    cr_assert_leq(openings, 8);
+    for (int i = 0; i < openings; i++) doors[i] = i == door ? (float)opening[i].open : 1;
+    // The second room has the light of the first one alone.
+    for (int i = 0; i < 4; i++) lit[i] = i < 2 ? (Rgb){1, 1, 1} : (Rgb){0, 0, 0};
+    light_thread_ask(thread, lit, 4, doors, openings);
+    LitLight half = wait_until_followed(thread);
+    cr_expect_eq(half.doors[door], (float)opening[door].open);
+    const LitMesh *mesh = light_thread_mesh(thread);
+    size_t bytes = (size_t)lit_vertex_count(mesh) * sizeof *half.vertex;
+    float(*as_baked)[3] = arena_alloc(&arena, bytes, 1);
+    memcpy(as_baked, half.vertex, bytes);
+    double sum[3] = {brightness(thread, &half), 0, 0};
+    for (int k = 1; k < 3; k++) {
+        doors[door] = k == 1 ? 1 : 0;
+        light_thread_ask(thread, lit, 4, doors, openings);
+        // The first time lamps have changed as well: then there is no first step.
+        if (k == 2) {
+            cr_expect_eq(wait_for_light(thread)->doors[door], doors[door]);
+            light_thread_received(thread);
+        }
+        LitLight whole = wait_until_followed(thread);
+        cr_expect_eq(whole.doors[door], doors[door]);
+        sum[k] = brightness(thread, &whole);
+    }
+    cr_expect(sum[1] > sum[0] && sum[0] > sum[2], "wide open %g, half %g, closed %g", sum[1], sum[0], sum[2]);
+    doors[door] = (float)opening[door].open;
+    light_thread_ask(thread, lit, 4, doors, openings);
+    LitLight back = wait_until_followed(thread);
+    cr_expect_arr_eq(back.vertex, as_baked, bytes);
+    light_thread_stop(thread);
+    cr_expect(light_thread_free(thread, 10));
+    lamps3_free(l);
+    arena_free(&arena);
+}

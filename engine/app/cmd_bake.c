@@ -558,12 +558,14 @@ static const Option ROWS[] = {
      .at = AT(resume),
      .help = "go on from the light that is there, made with the same elements and doors"},
     {.name = "doors",
-     .value = "STATE",
-     .type = OPTION_NAME,
+     .value = "SPEC",
+     .type = OPTION_TEXT,
      .at = AT(bake.doors),
-     .names = BAKE_DOORS_NAMES,
-     .name_count = BAKE_DOORS,
-     .help = "@ (default drawn)"},
+     .help =
+         "where doors stand: parts WHO=STATE with commas between them; WHO is a door's name or `all`, STATE "
+         "is "
+         "`drawn`, `open`, `closed`, or a share of the door's way as 0.4 or 40%; without `=` all are meant "
+         "(default drawn)"},
     OPTION_DAYLIGHT(AT(load.day), "the default"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     OPTION_LAMPS(AT(load.lamp_state),

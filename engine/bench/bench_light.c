@@ -16,6 +16,7 @@
 #include "engine/draw/false_colour.h"
 #include "engine/draw/image.h"
 #include "engine/scene/bake_mesh.h"
+#include "engine/scene/door_state.h"
 #include "radiosity/shoot/adapt.h"
 #include "radiosity/shoot/shoot.h"
 #include "radiosity/shoot/sky.h"
@@ -251,7 +252,7 @@ static bool light_scene_load(const char *file, const BenchArguments *a, Arena *a
     options.lamps = SCENE_LAMPS_ALL;
     if (!app_load(file, &options, arena, &out->scene, error) || !scene_has_walls(&out->scene, error))
         return false;
-    out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
+    out->doors = door_state_drawn(&out->scene.building, arena);
     return true;
 }
 

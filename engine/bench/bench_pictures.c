@@ -18,6 +18,7 @@
 #include "engine/draw/image.h"
 #include "engine/draw/view.h"
 #include "engine/scene/bake_mesh.h"
+#include "engine/scene/door_state.h"
 #include "engine/shade/walk_shade.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
@@ -640,7 +641,7 @@ static bool open_scene(const char *file, const BenchArguments *a, bool day, Aren
         return false;
     MeshOptions mesh = mesh_default_options();
     mesh.element = TRUTH_ELEMENT;
-    out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
+    out->doors = door_state_drawn(&out->scene.building, arena);
     return mesh_build(&out->scene.graph, out->doors, &mesh, arena, &out->mesh, error);
 }
 

@@ -3,10 +3,10 @@
 
 #include <string.h>
 
+#include "engine/scene/door_state.h"
+
 // Options that lead to more elements than this are surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
-
-const char *const BAKE_DOORS_NAMES[BAKE_DOORS] = {"drawn", "open", "closed"};
 
 BakeOptions bake_default_options(void) {
     BakeOptions o = {
@@ -16,16 +16,6 @@ BakeOptions bake_default_options(void) {
     o.rad.form_factor.resolution = 0;
     o.rad.row_bytes = RAD_ROWS_FIT;
     return o;
-}
-
-float *bake_doors(const Building *b, int state, Arena *arena) {
-    float *doors = ARENA_ARRAY(arena, float, b->opening_count + 1);
-    for (int i = 0; i < b->opening_count; i++) {
-        const Opening *o = &b->openings[i];
-        bool leaf = o->kind == OPENING_DOOR;
-        doors[i] = !leaf || state == BAKE_DOORS_OPEN ? 1 : state == BAKE_DOORS_CLOSED ? 0 : (float)o->open;
-    }
-    return doors;
 }
 
 static bool check_size(const char *file, double side, const CellGraph *graph, Error *error) {
@@ -74,11 +64,9 @@ bool bake_mesh(const BakeOptions *bake, const LoadedScene *scene, const char *re
     options.threads = bake->rad.threads;
     if (options.element == 0) options.element = mesh_fitting_element(graph);
     if (!check_size(scene->building.source, options.element, graph, error)) return false;
-    Arena scratch = {0};
-    *doors = bake_doors(&scene->building, bake->doors, arena);
+    *doors = door_state_drawn(&scene->building, arena);
+    if (bake->doors && !door_state_apply(&scene->building, bake->doors, *doors, error)) return false;
     AdaptScene lit = {graph, &scene->forest, *doors};
     options.proxies = proxies_find(graph, options.proxy, arena);
-    bool good = find_mesh(bake, &lit, &options, resumed, progress, arena, out, error);
-    arena_free(&scratch);
-    return good;
+    return find_mesh(bake, &lit, &options, resumed, progress, arena, out, error);
 }

@@ -5,10 +5,6 @@
 #include "engine/scene/scene.h"
 #include "radiosity/shoot/adapt.h"
 
-// The state of all doors while light is baked.
-enum { BAKE_DOORS_DRAWN, BAKE_DOORS_OPEN, BAKE_DOORS_CLOSED, BAKE_DOORS };
-extern const char *const BAKE_DOORS_NAMES[BAKE_DOORS];
-
 // How a scene is baked.
 typedef struct BakeOptions {
     // Element 0: as fits the building.
@@ -16,15 +12,12 @@ typedef struct BakeOptions {
     AdaptOptions adapt;
     // Residual and resolution 0, row_bytes RAD_ROWS_FIT: as fit the mesh (rad_fit).
     RadOptions rad;
-    // One of BAKE_DOORS_...
-    int doors;
+    // Where the doors stand (door_state.h); NULL: as drawn.
+    const char *doors;
     // The scene's; all zeros: night.
     Daylight day;
 } BakeOptions;
 BakeOptions bake_default_options(void);
-
-// The share by which each door is open in one of these states, [opening_count].
-float *bake_doors(const Building *building, int state, Arena *arena);
 
 // The doors, [opening_count], and the mesh that a bake begins with, or goes on with from the .rad file `resumed` (NULL: from
 // nothing). The scene was loaded with lamps. Refuses a scene without light, and too many elements; fails, "stopped", when progress

@@ -35,6 +35,9 @@ bake 0 -o "$work/part.rad" --resume
 same "$work/1.rad" "$work/part.rad" 'a resumed bake ends otherwise'
 bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
 bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
+bake 1 -o "$work/part.rad" --resume --doors between=40% && says err 'was made with door'
+bake 1 -o "$work/part.rad" --doors cellar=open && says err 'no door is called `cellar` (allowed: all, between, front)'
+bake 1 -o "$work/part.rad" --doors 'between=wide' && says err '`wide` is no state of a door'
 bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under no daylight'
 bake 0 -o "$work/gathered.rad" --final-gather --threads 1 --json && says out '"nodes": [1-9]'
 bake 0 -o "$work/gathered.2.rad" --final-gather --threads 2

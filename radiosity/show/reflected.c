@@ -276,8 +276,8 @@ typedef struct ReflectedPlaces {
     bool *anew;  // [nodes of the finer mesh] of parts
 } ReflectedPlaces;
 
-static ReflectedPlaces *find_places(const Mesh *mesh, const MeshDepth *halved, const Mesh *shown,
-                                    const Nodes *nodes, Arena *arena) {
+static ReflectedPlaces *places_of(const Mesh *mesh, const MeshDepth *halved, const Mesh *shown,
+                                  const Nodes *nodes, Arena *arena) {
     ReflectedPlaces *p = ARENA_ARRAY(arena, ReflectedPlaces, 1);
     p->own = nodes_of(mesh, arena);
     p->triangle = reconstruct_triangles(mesh, arena);
@@ -365,7 +365,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     }
     ReflectedPlaces *places = kept && kept->places
                                   ? kept->places
-                                  : find_places(mesh, halved, shown, nodes, kept ? &kept->arena : &scratch);
+                                  : places_of(mesh, halved, shown, nodes, kept ? &kept->arena : &scratch);
     if (kept) kept->places = places;
     nodes_pose(&places->own, mesh);
     double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);

@@ -273,8 +273,8 @@ static LitLight wait_until_followed(LightThread *thread) {
     return *last;
 }
 
-// Proves that light follows a door in two steps, of which the first one is soon there, that each of them says where its doors stand, and that
-// the light as it was comes back, to the last bit, when the door is back.
+// Proves that light follows a door in two steps, of which the first one is soon there, that each of them says where its doors stand, and
+// that the light as it was comes back, to the last bit, when the door is back.
 Test(light_thread, light_follows_a_door, .timeout = 240) {
     Arena arena = {0};
     Lamps3 *l = lamps3_load(false);

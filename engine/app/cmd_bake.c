@@ -678,7 +678,7 @@ static const Option ROWS[] = {
      .type = OPTION_MEGABYTES,
      .at = AT(bake.rad.row_bytes),
      .high = 1000000,
-     .help = "rows of form factors kept for patches that shoot again, @ (default: 128, and 8 for each 1,000 "
+     .help = "rows of form factors kept for patches that shoot again, @ (default: 512, and 8 for each 1,000 "
              "elements "
              "beyond 120,000; at most an eighth of the machine's memory, a quarter of --memory)"},
     {.name = "probe",

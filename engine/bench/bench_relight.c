@@ -1,6 +1,6 @@
 // bench_relight.c - how soon light follows lamps and doors, and how right it is then. Lamps: sums of the light of each, all light shot anew
 // along rows that are kept, and all from nothing, against lamps of which each is shot to a ten-millionth. Doors: each is opened, or closed
-// where it stands open, and all light is found anew, against light that is shot to a ten-millionth in the same state.
+// where it stands open, and what that changes is found anew, against light that is shot to a ten-millionth in the same state.
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,7 +185,7 @@ static void compare_doors(Relit *r) {
     RadOptions fine = r->rad;
     fine.residual = TRUTH / 10;
     Relight relight = {&r->mesh, &r->scene.lamps, &r->scene.forest, r->doors,
-                       &r->rad,  r->sources,      &r->solution},
+                       &r->rad,  r->sources,      &r->solution,     NULL},
             exact = relight;
     exact.options = &fine;
     int openings = b->opening_count, count = 0, nodes = r->solution.node_count;
@@ -207,18 +207,20 @@ static void compare_doors(Relit *r) {
         Errors of_door = errors_new(nodes, 1, &found);
         add_errors(&of_door, now.node, truth.node, r->truth.node, nodes);
         add_errors(&all, now.node, truth.node, r->truth.node, nodes);
-        print_row(r, b->openings[i].name, "all shot anew; kept what the door cannot change", seconds,
+        print_row(r, b->openings[i].name, "differences; what the door cannot change is kept", seconds,
                   &of_door);
         sum += seconds;
         worst = fmax(worst, seconds);
         count++;
         arena_free(&found);
     }
+    relight_end(&relight);
+    relight_end(&exact);
     if (count > 0)
-        print_row(r, "a door in the mean", "all shot anew; kept what the door cannot change", sum / count,
+        print_row(r, "a door in the mean", "differences; what the door cannot change is kept", sum / count,
                   &all);
     if (count > 0)
-        print_row(r, "the worst door", "all shot anew; kept what the door cannot change", worst, &all);
+        print_row(r, "the worst door", "differences; what the door cannot change is kept", worst, &all);
     arena_free(&scratch);
 }
 

@@ -111,6 +111,7 @@ const Lamps *light_follower_lamps(const WalkLight *light) { return light->follow
 
 void light_end(WalkLight *light) {
     if (!light->follower) return;
+    relight_end(&light->follower->relight);
     shoot_rows_end(light->follower->rad.rows);
     direct_sources_end(light->follower->relight.sources);
     for (int i = 0; i < 2; i++) arena_free(&light->follower->kept[i]);
@@ -308,8 +309,8 @@ static void begin_following(Baking *b, LightFollower *follower) {
     follower->rad = b->options.rad;
     follower->rad.rows = b->options.rad.rows =
         shoot_rows_new(b->mesh, &scene->forest, doors, &follower->rad, &b->solution->day, b->arena);
-    follower->relight =
-        (Relight){b->mesh, &scene->lamps, &scene->forest, doors, &follower->rad, b->sources, b->solution};
+    follower->relight = (Relight){b->mesh,        &scene->lamps, &scene->forest, doors,
+                                  &follower->rad, b->sources,    b->solution,    NULL};
 }
 
 // The light that was baked is the last one so far.

@@ -25,6 +25,8 @@ enum { SHOTS_A_LOOK = 64 };
 // strongest will be about as much weaker in the end as there is less light left to shoot, and the row of a patch that is weaker yet
 // would be in vain.
 static const double WORTH_MAKING = 1.0 / 16, WORTH_MAKING_LAST = 1.0 / 2;
+// A patch whose power is less than this share of what the queue says waits for stronger ones.
+static const double STALE = 0.9;
 // The least share of the light that counts as indoors.
 static const double LEAST_INDOORS = 0.01;
 
@@ -176,11 +178,15 @@ typedef struct Shooter {
     int *next;  // [shoot_rows_most]
     // Lamps shoot their emitted light before all else, the strongest first: so it is known what part of the light is direct.
     long long lamps_left;
+    // [patch_count] of light that goes on: lamps that shoot again; NULL: light from nothing. Then powers in the queue are never less than
+    // the absolute unshot power, and `left` is the sum of that, W.
+    const bool *again;
+    double left;
 } Shooter;
 
 // Computed from the solution alone, however it came about: a run that is resumed goes on just so.
 static double unshot_power(const Receiver *r) {
-    return (r->unshot[0] + r->unshot[1] + r->unshot[2]) * r->area;
+    return (fabs(r->unshot[0]) + fabs(r->unshot[1]) + fabs(r->unshot[2])) * r->area;
 }
 
 // Patches shoot what they reflect, from now on.
@@ -189,8 +195,12 @@ static void queue_reflected(Shooter *s, const Mesh *mesh) {
     shoot_elements_finish(s->elements);
     shoot_elements_store(s->elements, s->solution);
     if (!shoot_rows_settled(s->rows)) shoot_rows_find_strong(s->rows, s->solution);
-    for (int p = 0; p < mesh->patch_count; p++)
-        shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
+    s->left = 0;
+    for (int p = 0; p < mesh->patch_count; p++) {
+        double power = unshot_power(&s->receivers[p]);
+        shoot_queue_raise(&s->queue, p, power);
+        s->left += power;
+    }
 }
 
 // A solution that was broken off while lamps shot goes on with the next lamp.
@@ -198,18 +208,18 @@ static void queue_lamps(Shooter *s, const Mesh *mesh) {
     for (int p = 0; p < mesh->patch_count; p++) {
         double e[3];
         rgb_doubles(mesh_material(mesh, mesh->patches[p].face)->emission, e);
-        if (rgb_sum(e) <= 0) continue;
+        if (rgb_sum(e) <= 0 || (s->again && !s->again[p])) continue;
         shoot_queue_raise(&s->queue, p, rgb_sum(e) * mesh->patches[p].area);
         s->lamps_left++;
     }
-    for (long long i = 0; i < s->solution->shots && s->lamps_left > 0; i++, s->lamps_left--)
+    for (long long i = 0; !s->again && i < s->solution->shots && s->lamps_left > 0; i++, s->lamps_left--)
         shoot_queue_clear(&s->queue, shoot_queue_top(&s->queue));
     if (s->lamps_left == 0) queue_reflected(s, mesh);
 }
 
 static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
-                          const RadOptions *options, RadSolution *solution, Arena *arena) {
-    *s = (Shooter){.options = options, .solution = solution};
+                          const RadOptions *options, const bool *again, RadSolution *solution, Arena *arena) {
+    *s = (Shooter){.options = options, .solution = solution, .again = again};
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
     s->rows = options->rows ? options->rows
                             : shoot_rows_new(mesh, forest, door_open, options, &solution->day, arena);
@@ -267,6 +277,7 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
         shot = (Four){(double)e.r, (double)e.g, (double)e.b, 0};
     }
     Four power = shot * four_of(from->area * row->scale), absorbed = power * four_of(row->back);
+    if (!direct) s->left -= unshot_power(from);
     from->unshot -= shot;
     shoot_queue_clear(&s->queue, patch);
     shoot_elements_tell(s->elements, row, power, direct);
@@ -280,9 +291,13 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
             power * (to->uneven ? run_reflectance(mesh, row, r, at) : channels_of_floats(to->reflectance));
         if (mesh->reflectance) at += row->count[r] + 1;
         double share = (double)run->share;
+        if (s->again) s->left -= unshot_power(to);
         to->unshot += reflected * four_of(share * to->per_area);
         absorbed += (power - reflected) * four_of(share);
-        if (!direct) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
+        if (direct) continue;
+        double now = unshot_power(to);
+        if (s->again) s->left += now;
+        if (!s->again || now > s->queue.power[run->patch]) shoot_queue_raise(&s->queue, run->patch, now);
     }
     s->absorbed += absorbed;
     s->escaped += power * four_of(row->escaped);
@@ -294,6 +309,8 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
 // what is indoors.
 static double residual_of(const Shooter *s) {
     double emitted = rgb_sum(s->solution->emitted), outdoors = rgb_sum(s->solution->outdoors), gone[3];
+    if (s->again && s->lamps_left > 0) return INFINITY;
+    if (s->again) return fmax(s->left, 0) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
     channels_store(s->absorbed + s->escaped, gone);
     return (emitted - rgb_sum(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
 }
@@ -506,6 +523,9 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     for (int p = 0; p < mesh->patch_count; p++) {
         // Those to which no light was shot are covered, or in rooms without light.
         take_shot(mesh, s->solution, p, s->solution->reflected[p]);
+        // Light that goes on leaves a rounding of itself on a plug.
+        if (mesh->faces[mesh->patches[p].face].hidden)
+            memset(s->solution->reflected[p], 0, sizeof *s->solution->reflected);
         if (mesh->patches[p].area >= RAD_SMALL && rgb_sum(s->solution->reflected[p]) > 0) patch[count++] = p;
     }
     bool go_on = gather_patches(s, &g, patch, count, progress);
@@ -528,12 +548,30 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     return go_on;
 }
 
+// The strongest patch; -1: there is none. Where light goes on powers in the queue may be too great.
+static int strongest(Shooter *s) {
+    for (;;) {
+        int patch = shoot_queue_top(&s->queue);
+        if (patch < 0 || !s->again || s->lamps_left > 0) return patch;
+        double power = unshot_power(&s->receivers[patch]);
+        if (power >= STALE * s->queue.power[patch]) return patch;
+        shoot_queue_clear(&s->queue, patch);
+        shoot_queue_raise(&s->queue, patch, power);
+    }
+}
+
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution) {
+    return rad_shoot_on(mesh, forest, door_open, options, NULL, progress, solution);
+}
+
+RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                       const RadOptions *options, const bool *again, const Progress *progress,
+                       RadSolution *solution) {
     Arena arena = {0};
     Shooter s;
     RadReport report = {0};
-    start_shooter(&s, mesh, forest, door_open, options, solution, &arena);
+    start_shooter(&s, mesh, forest, door_open, options, again, solution, &arena);
     long long first = solution->shots;
     while (residual_of(&s) > options->residual) {
         if (options->shots > 0 && solution->shots >= options->shots) break;
@@ -542,7 +580,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
             if (report.stopped) break;
             show_solution(&s);
         }
-        int patch = shoot_queue_top(&s.queue);
+        int patch = strongest(&s);
         if (patch < 0) break;
         if (options->looks > 0 && (s.looks.spent += looks_of(&s.looks, patch)) > options->looks) break;
         shoot(&s, mesh, patch, row_of(&s, patch));
@@ -560,4 +598,95 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     if (!options->rows) shoot_rows_end(s.rows);
     arena_free(&arena);
     return report;
+}
+
+// ---- taking back
+
+typedef struct TakenBack {
+    const Mesh *mesh;
+    const ShootRows *rows;
+    RadSolution *solution;
+    Rgb *reflectance;  // [patch_count]
+} TakenBack;
+
+// The mean of the radiosities of a patch's elements.
+static void mean_radiosity(const Mesh *mesh, const RadSolution *s, const Patch *patch, double out[3]) {
+    out[0] = out[1] = out[2] = 0;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
+        for (int c = 0; c < 3; c++) out[c] += s->radiosity[e][c] * mesh->elements[e].area / patch->area;
+}
+
+// Takes back a shot along a row, W a channel: `shoot` and ShootElements the other way round.
+static void take_back(const TakenBack *t, const ShootRow *row, const double power[3], bool direct) {
+    const Mesh *mesh = t->mesh;
+    RadSolution *s = t->solution;
+    Four shot = channels_of(power) * four_of(row->scale), absorbed = shot * four_of(row->back);
+    double lost[3];
+    for (int r = 0, at = 0; r < row->run_count; at += row->count[r++] + 1) {
+        int patch = row->runs[r].patch;
+        const Patch *to = &mesh->patches[patch];
+        Four rho = channels_of_rgb(t->reflectance[patch]);
+        Four reflected = shot * (mesh_has_picture(mesh, to->face) ? run_reflectance(mesh, row, r, at) : rho);
+        for (int i = at; i <= at + row->count[r]; i++) {
+            int e = to->first_element + row->offset[i];
+            Four own = mesh->reflectance ? channels_of_rgb(mesh->reflectance[e]) : rho;
+            channels_store(shot * own * four_of((double)row->density[i]), lost);
+            for (int c = 0; c < 3; c++) s->radiosity[e][c] -= lost[c];
+            for (int c = 0; c < 3 && direct; c++) s->direct[e][c] -= lost[c];
+        }
+        double share = (double)row->runs[r].share;
+        channels_store(reflected * four_of(share / to->area), lost);
+        for (int c = 0; c < 3; c++) s->unshot[patch][c] -= lost[c];
+        absorbed += (shot - reflected) * four_of(share);
+    }
+    channels_store(absorbed, lost);
+    for (int c = 0; c < 3; c++) s->absorbed[c] -= lost[c];
+    channels_store(shot * four_of(row->escaped), lost);
+    for (int c = 0; c < 3; c++) s->escaped[c] -= lost[c];
+}
+
+// A patch has shot nothing where it would be less light than this share of its radiosity, or of all power: shares of rows are floats, of
+// elements and of patches apart.
+static const double NOTHING = 1e-5, NO_POWER = 1e-12;
+
+static double absolute(const double v[3]) { return fabs(v[0]) + fabs(v[1]) + fabs(v[2]); }
+
+static bool has_shot(const Mesh *mesh, const RadSolution *s, int patch, double shot[3]) {
+    const Patch *p = &mesh->patches[patch];
+    double mean[3];
+    mean_radiosity(mesh, s, p, mean);
+    for (int c = 0; c < 3; c++) shot[c] = mean[c] - s->unshot[patch][c];
+    return absolute(shot) > NOTHING * absolute(mean) &&
+           absolute(shot) * p->area > NO_POWER * rgb_sum(s->emitted);
+}
+
+bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors *moved,
+                   RadSolution *solution, bool *again) {
+    Arena scratch = {0};
+    const ShootRows *rows = options->rows;
+    TakenBack t = {mesh, rows, solution, ARENA_ARRAY(&scratch, Rgb, mesh->patch_count + 1)};
+    double(*shot)[3] = arena_alloc(&scratch, (size_t)mesh->patch_count + 1, sizeof *shot);
+    bool *taken = ARENA_ARRAY(&scratch, bool, mesh->patch_count + 1), good = true;
+    // All is measured before anything is taken back.
+    for (int p = 0; p < mesh->patch_count && good; p++) {
+        t.reflectance[p] = mesh_patch_reflectance(mesh, p);
+        taken[p] = has_shot(mesh, solution, p, shot[p]) &&
+                   (!shoot_rows_of(rows, p) || shoot_rows_depend(rows, p, moved));
+        good = !taken[p] || shoot_rows_of(rows, p);
+    }
+    for (int p = 0; p < mesh->patch_count && good; p++) {
+        const Patch *patch = &mesh->patches[p];
+        double emitted[3], power[3];
+        if (!taken[p]) continue;
+        rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
+        for (int c = 0; c < 3; c++) power[c] = (shot[p][c] - emitted[c]) * patch->area;
+        take_back(&t, shoot_rows_of(rows, p), power, false);
+        for (int c = 0; c < 3; c++) solution->unshot[p][c] += shot[p][c];
+        if (rgb_sum(emitted) <= 0) continue;
+        for (int c = 0; c < 3; c++) power[c] = emitted[c] * patch->area;
+        take_back(&t, shoot_rows_of(rows, p), power, true);
+        again[p] = true;
+    }
+    arena_free(&scratch);
+    return good;
 }

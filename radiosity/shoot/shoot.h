@@ -118,6 +118,19 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution);
 
+// ---- light that goes on from another state of the doors
+
+// Before shoot_rows_move: takes back what patches have shot along rows of options->rows that depend on a door that moves. Their light,
+// which is unshot again, may be negative from now on, and so may that of others (Chen 1990). Lamps among these patches are marked in
+// `again` [patch_count]. False where a row is not there any more; then nothing has changed.
+bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors *moved,
+                   RadSolution *solution, bool *again);
+// Shoots on after rad_take_back and shoot_rows_move: first what the marked lamps emit, then what is unshot, until its absolute power is
+// options->residual of the light. Else like rad_shoot.
+RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                       const RadOptions *options, const bool *again, const Progress *progress,
+                       RadSolution *solution);
+
 // Writes a .rad file. The mesh is not stored: it is made again from the building. The file holds the building's hash, the mesh's
 // options and the doors' states, and rad_load refuses the file where they differ.
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,

@@ -456,8 +456,8 @@ static bool is_before(const Mesh *mesh, const Patch *patch, Box box) {
     return n.x * (x - c.x) + n.y * (y - c.y) + n.z * (z - c.z) > 0;
 }
 
-// Does the row of a patch depend on a door that moved? That of a patch on its leaf does.
-static bool row_moves(const ShootRows *rows, int index, const MovedDoors *moved) {
+// That of a patch on the door's leaf does.
+bool shoot_rows_depend(const ShootRows *rows, int index, const MovedDoors *moved) {
     const Mesh *mesh = rows->mesh;
     const Patch *patch = &mesh->patches[index];
     const uint64_t *doors = rows->doors + (size_t)index * (size_t)rows->door_words;
@@ -526,7 +526,7 @@ int shoot_rows_move(ShootRows *rows, const MovedDoors *moved) {
     for (int i = 0; rows->waiting_count > 0; i++)
         if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
     for (int p = 0; p < rows->mesh->patch_count; p++) {
-        if (!rows->of[p] || !row_moves(rows, p, moved)) continue;
+        if (!rows->of[p] || !shoot_rows_depend(rows, p, moved)) continue;
         rows->of[p] = NULL;
         rows->there[p] = false;
         dropped++;

@@ -37,6 +37,8 @@ bool shoot_rows_settled(const ShootRows *rows);
 // [patch_count]
 const bool *shoot_rows_strong(const ShootRows *rows);
 
+// Does the row of a patch depend on a door that moves?
+bool shoot_rows_depend(const ShootRows *rows, int patch, const MovedDoors *moved);
 // Doors have moved: the mesh is posed already (mesh_move), and so is the caller's `door_open`. Drops the rows of patches that may see one
 // of these doors, and returns how many.
 int shoot_rows_move(ShootRows *rows, const MovedDoors *moved);

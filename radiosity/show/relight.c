@@ -1,9 +1,10 @@
-// relight.c - doors move, rows and direct light that pass them go, and all is shot again.
+// relight.c - doors move, rows and direct light that pass them go, and what was shot along these rows is shot again.
 #include "radiosity/show/relight.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "engine/core/error.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
 
@@ -27,17 +28,113 @@ void relight_prepare(DirectSources *sources, Mesh *mesh, Arena *arena) {
     if (any) direct_sources_doors(sources, mesh, state, STATES);
 }
 
+// The light that was found last, less what doors that moved since have changed, and what it began with.
+typedef struct RelightLast {
+    Arena arena;
+    bool there;
+    RadSolution light, begun;
+    Rgb *lit;     // [lamps->count]
+    bool *again;  // [patch_count] lamps whose light was taken back
+} RelightLast;
+
+static RelightLast *last_of(Relight *r) {
+    if (r->last) return r->last;
+    Arena arena = {0};
+    RelightLast *last = ARENA_ARRAY(&arena, RelightLast, 1);
+    Error error;
+    bool good = rad_start_dark(r->mesh, &arena, &last->light, &error) &&
+                rad_start_dark(r->mesh, &arena, &last->begun, &error);
+    CORE_ASSERT(good);
+    last->lit = ARENA_ARRAY(&arena, Rgb, r->lamps->count + 1);
+    last->again = ARENA_ARRAY(&arena, bool, r->mesh->patch_count + 1);
+    last->arena = arena;
+    return r->last = last;
+}
+
+void relight_end(Relight *r) {
+    if (!r->last) return;
+    Arena arena = r->last->arena;
+    arena_free(&arena);
+    r->last = NULL;
+}
+
+// Copies all that a shot changes.
+static void copy_light(const RadSolution *from, RadSolution *to) {
+    size_t elements = (size_t)from->element_count, patches = (size_t)from->patch_count;
+    memcpy(to->radiosity, from->radiosity, elements * sizeof *to->radiosity);
+    memcpy(to->direct, from->direct, elements * sizeof *to->direct);
+    memcpy(to->daylight, from->daylight, elements * sizeof *to->daylight);
+    memcpy(to->unshot, from->unshot, patches * sizeof *to->unshot);
+    memcpy(to->emitted, from->emitted, sizeof to->emitted);
+    memcpy(to->absorbed, from->absorbed, sizeof to->absorbed);
+    memcpy(to->escaped, from->escaped, sizeof to->escaped);
+    to->shots = from->shots;
+}
+
+static bool same_lamps(const Relight *r, const Rgb *lit) {
+    return memcmp(lit, r->last->lit, (size_t)r->lamps->count * sizeof *lit) == 0;
+}
+
+// Goes on from the last light: `out`, which has begun, gets what was shot since that one began.
+static void take_last(const Relight *r, RadSolution *out) {
+    const RadSolution *light = &r->last->light, *begun = &r->last->begun;
+    for (int e = 0; e < out->element_count; e++)
+        for (int c = 0; c < 3; c++) {
+            out->radiosity[e][c] += light->radiosity[e][c] - begun->radiosity[e][c];
+            out->direct[e][c] = light->direct[e][c];
+        }
+    for (int p = 0; p < out->patch_count; p++)
+        for (int c = 0; c < 3; c++) out->unshot[p][c] += light->unshot[p][c] - begun->unshot[p][c];
+    for (int c = 0; c < 3; c++) {
+        out->absorbed[c] += light->absorbed[c] - begun->absorbed[c];
+        out->escaped[c] += light->escaped[c] - begun->escaped[c];
+    }
+    out->shots = light->shots;
+}
+
 static void move_doors(Relight *r, const float *door_open, RelightReport *report) {
     Arena scratch = {0};
+    RelightLast *last = last_of(r);
     int openings = r->mesh->graph->building->opening_count;
     MovedDoors moved = mesh_move(r->mesh, r->door_open, door_open, &scratch);
     memcpy(r->door_open, door_open, (size_t)openings * sizeof *door_open);
     report->doors = moved.count;
     if (moved.count > 0) {
+        Mesh lit = lamps_mesh(r->lamps, r->mesh, last->lit, &scratch);
+        last->there = last->there && rad_take_back(&lit, r->options, &moved, &last->light, last->again);
         report->rows = shoot_rows_move(r->options->rows, &moved);
         report->points = direct_sources_move(r->sources, &moved, door_open);
     }
     arena_free(&scratch);
+}
+
+// All light of a state, shot on from the last one where the lamps are the same.
+static bool shoot_state(Relight *r, const Mesh *mesh, const Rgb *lit, const Progress *progress,
+                        RadSolution *out) {
+    RelightLast *last = r->last;
+    RadOptions options = *r->options;
+    const bool on = last->there && same_lamps(r, lit);
+    options.residual = fmin(options.residual, RESIDUAL);
+    last->there = false;
+    Arena scratch = {0};
+    RadSolution begun = *out;
+    begun.radiosity = arena_alloc(&scratch, (size_t)out->element_count + 1, sizeof *begun.radiosity);
+    begun.direct = arena_alloc(&scratch, (size_t)out->element_count + 1, sizeof *begun.direct);
+    begun.daylight = arena_alloc(&scratch, (size_t)out->element_count + 1, sizeof *begun.daylight);
+    begun.unshot = arena_alloc(&scratch, (size_t)out->patch_count + 1, sizeof *begun.unshot);
+    copy_light(out, &begun);
+    if (on) take_last(r, out);
+    RadReport report =
+        rad_shoot_on(mesh, r->forest, r->door_open, &options, on ? last->again : NULL, progress, out);
+    if (!report.stopped) {
+        copy_light(out, &last->light);
+        copy_light(&begun, &last->begun);
+        memcpy(last->lit, lit, (size_t)r->lamps->count * sizeof *lit);
+        memset(last->again, 0, (size_t)out->patch_count * sizeof *last->again);
+        last->there = true;
+    }
+    arena_free(&scratch);
+    return !report.stopped;
 }
 
 // The share of its full light that each source sends.
@@ -70,9 +167,7 @@ bool relight_state(Relight *r, const float *door_open, const Rgb *lit, const Pro
     const Daylight *day = &r->all->day;
     bool shines = daylight_shines(day);
     if (shines && !rad_shine(mesh, r->forest, r->door_open, r->options, day, progress, out)) return false;
-    RadOptions options = *r->options;
-    options.residual = fmin(options.residual, RESIDUAL);
-    if (rad_shoot(mesh, r->forest, r->door_open, &options, progress, out).stopped) return false;
+    if (!shoot_state(r, mesh, lit, progress, out)) return false;
     memcpy(out->noise, r->all->noise, (size_t)out->patch_count * sizeof *out->noise);
     out->lit = lit;
     out->lamp_count = r->lamps->count;

@@ -1,9 +1,10 @@
-// relight.h - light that follows doors and lamps: what a door cannot have changed is kept, the rest is found anew, and light is shot again
-// along rows of which most are kept. So a state of doors and lamps has the same light however it came about.
+// relight.h - light that follows doors and lamps: what a door cannot have changed is kept, and the rest is found anew. A state of doors and
+// lamps has the same light however it came about.
 //
 // Sources: S. E. Chen, Incremental Radiosity: An Extension of Progressive Radiosity to an Interactive Image Synthesis System, 1990;
-// D. W. George, F. X. Sillion & D. P. Greenberg, Radiosity Redistribution for Dynamic Environments, 1990. Departure: both shoot
-// differences, positive and negative, which add up from change to change; here rows are what is kept, and shots begin from nothing.
+// D. W. George, F. X. Sillion & D. P. Greenberg, Radiosity Redistribution for Dynamic Environments, 1990: what was shot along rows that
+// change is taken back and shot again, positive or negative. Departures: doors are seen by the stab trees; light that other lamps or rows
+// that are gone would need is shot from nothing; and light that comes straight from lamps is found anew by itself, source by source.
 #ifndef RADIOSITY_RELIGHT_H
 #define RADIOSITY_RELIGHT_H
 
@@ -20,8 +21,11 @@ typedef struct Relight {
         door_open;  // [opening_count] the array that mesh, rows and sources were made with; relight_state changes it
     const RadOptions *options;
     DirectSources *sources;
-    const RadSolution *all;  // that light, whose choices stay
+    const RadSolution *all;    // that light, whose choices stay
+    struct RelightLast *last;  // NULL at first: the light that was found last
 } Relight;
+// Frees what it keeps from light to light.
+void relight_end(Relight *relight);
 
 // The work of a change.
 typedef struct RelightReport {

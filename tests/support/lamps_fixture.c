@@ -87,12 +87,13 @@ void lamps3_bake(Lamps3 *l, double residual, int threads) {
 
 void lamps3_follow(Lamps3 *l, double residual, int threads) {
     DirectSources *sources = bake(l, residual, threads, true);
-    l->relight =
-        (Relight){&l->mesh, &l->scene.lamps, &l->scene.forest, l->doors, &l->rad, sources, &l->solution};
+    l->relight = (Relight){&l->mesh, &l->scene.lamps, &l->scene.forest, l->doors,
+                           &l->rad,  sources,         &l->solution,     NULL};
 }
 
 void lamps3_free(Lamps3 *l) {
     if (l->relight.sources) {
+        relight_end(&l->relight);
         direct_sources_end(l->relight.sources);
         shoot_rows_end(l->rad.rows);
     }

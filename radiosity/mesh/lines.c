@@ -192,7 +192,7 @@ static void find_borders(const Mesh *mesh, FaceLines *out, Arena *arena, Arena *
     int count = 0;
     for (int i = 0; i < mesh->square_count; i++) {
         int code = mesh->squares[i];
-        const int *several = mesh->shared + ~(code + 1);
+        const int *several = code < -1 ? mesh->shared + ~(code + 1) : NULL;
         for (int k = 1; code < -1 && k <= several[0]; k++) shares[several[k]] = true;
     }
     for (int e = 0; e < mesh->element_count; e++) count += shares[e] ? mesh->elements[e].corner_count : 0;
@@ -218,7 +218,7 @@ int lines_element_at(const FaceLines *lines, const Mesh *mesh, int index, Vec3 p
     if (p.x >= 0 && p.x < face->nx && p.y >= 0 && p.y < face->ny) {
         int code = mesh->squares[face->first_square + (int)p.y * face->nx + (int)p.x];
         if (code >= 0) return code;
-        const int *several = mesh->shared + ~(code + 1);
+        const int *several = code < -1 ? mesh->shared + ~(code + 1) : NULL;
         for (int k = 1; code < -1 && k <= several[0]; k++)
             if (is_inside(lines, several[k], p)) return several[k];
     }

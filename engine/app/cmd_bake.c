@@ -561,11 +561,9 @@ static const Option ROWS[] = {
      .value = "SPEC",
      .type = OPTION_TEXT,
      .at = AT(bake.doors),
-     .help =
-         "where doors stand: parts WHO=STATE with commas between them; WHO is a door's name or `all`, STATE "
-         "is "
-         "`drawn`, `open`, `closed`, or a share of the door's way as 0.4 or 40%; without `=` all are meant "
-         "(default drawn)"},
+     .help = "where doors stand: parts WHO=STATE with commas between them, or @FILE, a part a line; WHO is a "
+             "door's name or `all`, STATE is `drawn`, `open`, `closed`, or a share of the door's way as 0.4 "
+             "or 40%; without `=` all are meant (default drawn)"},
     OPTION_DAYLIGHT(AT(load.day), "the default"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     OPTION_LAMPS(AT(load.lamp_state),

@@ -354,7 +354,8 @@ void options_print_paragraph(const char *text, int at, int indent) {
 // The row's help with the values allowed in place of `@`.
 static void print_row_help(const Option *row, int column) {
     char text[1024], allowed[256];
-    const char *at = strchr(row->help, '@');
+    const bool any = row->type == OPTION_TEXT || row->type == OPTION_TEXTS;
+    const char *at = any ? NULL : strchr(row->help, '@');
     print_allowed(row, allowed, sizeof allowed);
     if (at)
         snprintf(text, sizeof text, "%.*s%s%s", (int)(at - row->help), row->help, allowed, at + 1);

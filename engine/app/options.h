@@ -17,7 +17,7 @@ typedef struct Option {
     const char *name;
     // The value as the help calls it; NULL: there is none.
     const char *value;
-    // One sentence without a full stop. `@` stands for the values allowed, which the row knows.
+    // One sentence without a full stop. `@` stands for the values allowed, which the row knows; of a text, which may be any, for itself.
     const char *help;
     // The type of an option's value, and of the field of the command's arguments that takes it.
     enum {

@@ -158,6 +158,7 @@ static void add_up(LitStates *s, const Rgb *lit) {
     memcpy(s->sum.radiosity, base->radiosity, (size_t)base->element_count * sizeof *base->radiosity);
     add_differences(s, lit, 1);
     add_differences(s, lit, -1);
+    if (s->light->follower) light_follow_sum(s->light, lit);
 }
 
 static void fill(LitStates *s, const Rgb *lit, const float *doors, const RadSolution *found, LitLight *out) {

@@ -1,4 +1,4 @@
-// lamp_state.c - the language of lamp states: WHO=STATE parts, applied one after the other.
+// lamp_state.c - lamps by number, name and room, and how bright and of what colour they are.
 #include "engine/scene/lamp_state.h"
 
 #include <ctype.h>
@@ -7,31 +7,14 @@
 #include <string.h>
 #include <strings.h>
 
-#include "engine/core/file.h"
+#include "engine/scene/state_parts.h"
 
-// A file of states is text of a few lines.
-enum { LARGEST_FILE = 1 << 20 };
-// The longest part, bytes.
-enum { LONGEST_PART = 256 };
-
-// A state that is being read, and where.
+// A state that is being told.
 typedef struct Reader {
     const Lamps *lamps;
     Rgb *lit;
-    char place[128];
+    const char *place;
 } Reader;
-
-// A part without the spaces around it.
-static bool take_part(const Reader *r, const char *from, size_t length, char out[LONGEST_PART],
-                      Error *error) {
-    while (length > 0 && isspace((unsigned char)*from)) from++, length--;
-    while (length > 0 && isspace((unsigned char)from[length - 1])) length--;
-    if (length >= LONGEST_PART)
-        return error_set(error, "%s: `%.40s...` is longer than %d bytes", r->place, from, LONGEST_PART - 1);
-    memcpy(out, from, length);
-    out[length] = 0;
-    return true;
-}
 
 // ---- states
 
@@ -57,14 +40,15 @@ typedef struct State {
     Rgb colour;
 } State;
 
-static bool read_state(const Reader *r, char *text, State *out, Error *error) {
+static bool read_state(const Reader *r, const char *text, State *out, Error *error) {
     *out = (State){.share = 1};
     if (strcasecmp(text, "on") == 0) return true;
     if (strcasecmp(text, "off") == 0) {
         out->share = 0;
         return true;
     }
-    char *colour = strchr(text, '#'), *end = text;
+    const char *colour = strchr(text, '#');
+    char *end;
     if (colour) {
         out->coloured = true;
         if (!read_colour(colour, &out->colour)) return bad_state(r, text, error);
@@ -116,14 +100,12 @@ static bool nobody_meant(const Reader *r, const char *who, Error *error) {
         r->place, who, r->lamps->count, names, at + 80 < sizeof names ? "" : ", ...");
 }
 
-static bool apply_part(const Reader *r, char *part, Error *error) {
-    char *equals = strrchr(part, '='), who[LONGEST_PART] = "all", text[LONGEST_PART];
+static bool apply_part(void *context, const char *place, const char *who, const char *text, Error *error) {
+    Reader *r = context;
     State state;
     bool met = false;
-    if (equals && !take_part(r, part, (size_t)(equals - part), who, error)) return false;
-    if (!take_part(r, equals ? equals + 1 : part, strlen(equals ? equals + 1 : part), text, error) ||
-        !read_state(r, text, &state, error))
-        return false;
+    r->place = place;
+    if (!read_state(r, text, &state, error)) return false;
     for (int i = 0; i < r->lamps->count; i++) {
         if (!is_meant(r->lamps, i, who)) continue;
         met = true;
@@ -132,38 +114,9 @@ static bool apply_part(const Reader *r, char *part, Error *error) {
     return met || nobody_meant(r, who, error);
 }
 
-static bool apply_parts(const Reader *r, const char *from, char separator, Error *error) {
-    while (*from) {
-        const char *end = strchr(from, separator);
-        size_t length = end ? (size_t)(end - from) : strlen(from);
-        char part[LONGEST_PART];
-        if (!take_part(r, from, length, part, error) || (*part && !apply_part(r, part, error))) return false;
-        from += length + (end ? 1 : 0);
-    }
-    return true;
-}
-
-static bool apply_file(Reader *r, const char *path, Error *error) {
-    Arena arena = {0};
-    Bytes file;
-    bool good = file_read(path, LARGEST_FILE, &arena, &file, error);
-    int number = 1;
-    for (char *line = good ? (char *)file.data : NULL; good && line; number++) {
-        char *end = strchr(line, '\n');
-        if (end) *end = 0;
-        snprintf(r->place, sizeof r->place, "%.100s:%d", path, number);
-        char part[LONGEST_PART];
-        good = take_part(r, line, strlen(line), part, error) &&
-               (*part == 0 || *part == '#' || apply_part(r, part, error));
-        line = end ? end + 1 : NULL;
-    }
-    arena_free(&arena);
-    return good;
-}
-
 bool lamp_state_apply(const Lamps *lamps, const char *sentence, Rgb *lit, Error *error) {
-    Reader r = {.lamps = lamps, .lit = lit, .place = "--lamps"};
-    return *sentence == '@' ? apply_file(&r, sentence + 1, error) : apply_parts(&r, sentence, ',', error);
+    Reader r = {.lamps = lamps, .lit = lit};
+    return state_parts_apply("--lamps", sentence, apply_part, &r, error);
 }
 
 void lamp_state_describe(const Lamps *lamps, int lamp, Rgb lit, char *out, size_t size) {

@@ -62,13 +62,14 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena) {
     return draw_fine(light, s->lamps, &found, s->shown != s->found ? &shown : &found, lit, &one, arena);
 }
 
-// All that light needs to follow the doors, and the light that was found last.
+// All that light needs to follow the doors, and the light that is shown.
 typedef struct LightFollower {
     Relight relight;
     RadOptions rad;
-    RadSolution last;
-    Rgb *lit;       // [count of the lamps] of the last light
-    Arena kept[2];  // the last light lies in one of them
+    RadSolution shown;
+    const Rgb *lit;  // [count of the lamps] of the light that is shown; NULL: that light is not known
+    Rgb *full;       // [count of the lamps]
+    Arena kept[2];   // light that was found, each in the one that the light before does not lie in
     int at;
 } LightFollower;
 
@@ -84,8 +85,8 @@ bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb
                        RadSolution *out) {
     LightFollower *f = light->follower;
     RadSolution found;
-    if (memcmp(lit, f->lit, (size_t)f->relight.lamps->count * sizeof *lit) != 0) return false;
-    relight_straight(&f->relight, door_open, lit, &f->last, arena, &found, NULL);
+    if (!f->lit || memcmp(lit, f->lit, (size_t)f->relight.lamps->count * sizeof *lit) != 0) return false;
+    relight_straight(&f->relight, door_open, lit, &f->shown, arena, &found, NULL);
     *out = draw_followed(light, lit, &found, arena);
     return true;
 }
@@ -101,10 +102,17 @@ bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit
     memcpy(own, lit, lamps * sizeof *own);
     if (!relight_state(&f->relight, door_open, own, progress, room, &found, NULL)) return false;
     f->at = 1 - f->at;
-    f->last = found;
+    f->shown = found;
     f->lit = own;
     *out = draw_followed(light, lit, &found, arena);
     return true;
+}
+
+void light_follow_sum(const WalkLight *light, const Rgb *lit) {
+    LightFollower *f = light->follower;
+    bool full = memcmp(lit, f->full, (size_t)f->relight.lamps->count * sizeof *lit) == 0;
+    f->lit = full ? f->full : NULL;
+    if (full) f->shown = *f->relight.all;
 }
 
 const Lamps *light_follower_lamps(const WalkLight *light) { return light->follower->relight.lamps; }
@@ -304,6 +312,8 @@ static void begin_following(Baking *b, LightFollower *follower) {
     memcpy(doors, b->doors, (size_t)openings * sizeof *doors);
     *drawn = mesh_copy(b->mesh, b->arena);
     b->drawn = drawn;
+    follower->full = ARENA_ARRAY(b->arena, Rgb, scene->lamps.count + 1);
+    for (int i = 0; i < scene->lamps.count; i++) follower->full[i] = (Rgb){1, 1, 1};
     b->sources = each_lamp_sources(b->mesh, &scene->lamps, b->hooks->threads, b->arena);
     relight_prepare(b->sources, b->mesh, b->arena);
     follower->rad = b->options.rad;
@@ -311,14 +321,6 @@ static void begin_following(Baking *b, LightFollower *follower) {
         shoot_rows_new(b->mesh, &scene->forest, doors, &follower->rad, &b->solution->day, b->arena);
     follower->relight = (Relight){b->mesh,        &scene->lamps, &scene->forest, doors,
                                   &follower->rad, b->sources,    b->solution,    NULL};
-}
-
-// The light that was baked is the last one so far.
-static void begin_last(Baking *b, LightFollower *follower) {
-    int lamps = follower->relight.lamps->count;
-    follower->last = *b->solution;
-    follower->lit = ARENA_ARRAY(b->arena, Rgb, lamps + 1);
-    for (int i = 0; i < lamps; i++) follower->lit[i] = (Rgb){1, 1, 1};
 }
 
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
@@ -352,12 +354,13 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     if (good && follower && scene->lamps.count > 0) bake_each(&b, out, error);
     bool follows =
         good && follower && has_doors(&scene->building) && b.solution->gathered && b.solution->rest;
-    if (follows) begin_last(&b, follower);
     WalkLight kept = {.follower = follower};
-    if (follows)
+    if (follows) {
         out->follower = follower;
-    else
+        light_follow_sum(out, follower->full);
+    } else {
         light_end(&kept);
+    }
     return good;
 }
 

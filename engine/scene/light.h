@@ -66,13 +66,14 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena);
 // The light with the doors, [opening_count], and the lamps, [count of the scene's], elsewhere than where light->solution has them, on
 // light->mesh, as light_of_source gives it. The light must have a `follower`, which one thread at a time may ask. False where progress
 // asked to stop. The result lives in the arena.
-//
-// light_follow_soon is the first step of it, soon done: the doors are there, but all light that is reflected is that of the last call.
-// False where the lamps are not as they were then.
-bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,
-                       RadSolution *out);
 bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
                   Arena *arena, RadSolution *out);
+// The first step of it, soon done: the doors are there, but all light that is reflected is that of the light that is shown. False where
+// the lamps are not as they were then, or that light is not known.
+bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,
+                       RadSolution *out);
+// Tells the follower that a sum of the light of lamps (light_of_source) is shown now.
+void light_follow_sum(const WalkLight *light, const Rgb *lit);
 // The lamps of a light that follows.
 const Lamps *light_follower_lamps(const WalkLight *light);
 // Frees what the follower keeps.

@@ -52,6 +52,8 @@ static void follow_doors(Session *s) {
         shown->asked_open[i] = now;
     }
     if (!moved) return;
+    if (!shown->doors_moved && shown->scene.baker.anew)
+        session_say(s, false, "light follows the doors once it is baked anew, which takes a while");
     shown->doors_moved = true;
     session_ask_light(shown);
 }
@@ -132,8 +134,8 @@ double session_light_done(const Session *s) {
 static const char *text_behind(const Session *s, Arena *arena) {
     const LightThread *baking = s->shown->baking;
     if (!baking || light_thread_end(baking) != LIGHT_READY || !light_thread_behind(baking)) return "";
-    if (light_thread_lamps(baking) == LAMPS_KNOWN) return ", follows";
-    return arena_format(arena, ", follows once it is baked anew: %.0f %%",
+    if (light_thread_lamps(baking) == LAMPS_KNOWN) return ", behind the doors and lamps";
+    return arena_format(arena, ", behind the doors and lamps until it is baked anew: %.0f %%",
                         100 * light_thread_lamps_done(baking));
 }
 

@@ -76,8 +76,8 @@ struct Viewer {
     Placed *placed;   // [of the object with most faces]
     int *door_of;     // [object_count] the opening of a leaf, -1
     int *cell_first;  // [cell_count + 1] in `cell_doors`
-    int *
-        cell_doors;  // doors that are seen wherever a cell beside them is: they have no leaf that is an object, or glass
+    // Doors that are seen wherever a cell beside them is: they have no leaf that is an object, or glass.
+    int *cell_doors;
     uint64_t *doors;  // [door_words] of the view
     int door_words;
     unsigned *seen;  // [object_count] the last look with CULL_CELLS that took the object

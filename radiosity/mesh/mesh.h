@@ -143,6 +143,8 @@ typedef struct MovedDoors {
     MovedDoor *doors;
     int count;
 } MovedDoors;
+// Does a leaf, in Building.leaves (-1: none), belong to one of these doors?
+bool mesh_leaf_moves(const MovedDoors *moved, const Building *building, int leaf);
 // Poses a mesh whose doors stand as `from` says. Other meshes of the same building are posed by themselves.
 MovedDoors mesh_move(Mesh *mesh, const float *from, const float *to, Arena *arena);
 

@@ -1,5 +1,4 @@
 // mesh_pose.c - the doors of a mesh in motion: leaves are rigid, so their elements and patches move with them.
-#include "engine/core/error.h"
 #include "radiosity/mesh/mesh_parts.h"
 
 // A face of a leaf or of a plug, and what it is like when the leaf is closed.
@@ -164,4 +163,10 @@ MovedDoors mesh_move(Mesh *mesh, const float *from, const float *to, Arena *aren
     mesh_pose(mesh, to);
     for (int i = 0; i < out.count; i++) out.doors[i].box[1] = door_box(mesh, out.doors[i].opening);
     return out;
+}
+
+bool mesh_leaf_moves(const MovedDoors *moved, const Building *building, int leaf) {
+    for (int i = 0; i < moved->count && leaf >= 0; i++)
+        if (moved->doors[i].opening == building->leaves[leaf].opening) return true;
+    return false;
 }

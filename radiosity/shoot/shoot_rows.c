@@ -462,9 +462,9 @@ bool shoot_rows_depend(const ShootRows *rows, int index, const MovedDoors *moved
     const Patch *patch = &mesh->patches[index];
     const uint64_t *doors = rows->doors + (size_t)index * (size_t)rows->door_words;
     int leaf = mesh->graph->objects[mesh->faces[patch->face].object].leaf;
+    if (mesh_leaf_moves(moved, mesh->graph->building, leaf)) return true;
     for (int i = 0; i < moved->count; i++) {
         const MovedDoor *door = &moved->doors[i];
-        if (leaf >= 0 && mesh->graph->building->leaves[leaf].opening == door->opening) return true;
         if (view_has_door(doors, door->opening) &&
             (is_before(mesh, patch, door->box[0]) || is_before(mesh, patch, door->box[1])))
             return true;

@@ -400,7 +400,6 @@ static bool find_bends_of_doors(Direct *d, const Showing *show, Arena *arena) {
         Nodes nodes = *d->nodes;
         MovedDoors moved = mesh_move(mesh, show->door_open, sources->state[i], &scratch);
         if (moved.count > 0) {
-            double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
             nodes.normal = ARENA_ARRAY(&scratch, Vec3, nodes.count + 1);
             memcpy(nodes.normal, d->nodes->normal, (size_t)nodes.count * sizeof *nodes.normal);
             nodes_pose(&nodes, mesh);
@@ -411,7 +410,7 @@ static bool find_bends_of_doors(Direct *d, const Showing *show, Arena *arena) {
             other.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
             other.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
             direct_settle(&other, &moved, &show->solution->day, show->threads);
-            go_on = direct_light(&other, show->threads, show->progress, at_node, &work);
+            go_on = direct_light(&other, show->threads, show->progress, NULL, &work);
             for (int e = 0; e < mesh->element_count; e++)
                 d->bends[e] = bend_join(d->bends[e], other.bends[e], arena);
             direct_end(&other);
@@ -533,7 +532,7 @@ static void tidy(DirectSources *s) {
     for (int t = 0; t < s->threads; t++) used += s->kept[t].used;
     if (s->used == 0) s->used = used;
     if (used <= 2 * s->used) return;
-    Arena scratch = {0}, kept = {0};
+    Arena kept = {0};
     const PointSources **all[] = {s->corner, s->node, s->middle};
     const int count[] = {s->shown->corner_count, s->nodes.count, s->shown->element_count};
     for (int k = 0; k < 3; k++) {
@@ -556,7 +555,6 @@ static void tidy(DirectSources *s) {
     for (int t = 0; t < s->threads; t++) arena_free(&s->kept[t]);
     s->kept[0] = kept;
     s->used = kept.used;
-    arena_free(&scratch);
 }
 
 // Elements of patches that are not settled are lifted by their new middles, where they may be lifted at all.
@@ -604,8 +602,7 @@ long long direct_sources_move(DirectSources *s, const MovedDoors *moved, const f
     d.middle_by = s->middle;
     forget_touched(&d);
     d.middle_wanted = s->middle_known;
-    double(*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
-    direct_light(&d, s->threads, NULL, at_node, &report);
+    direct_light(&d, s->threads, NULL, NULL, &report);
     direct_node_sources(&d, true, s->node);
     lift_anew(s, &d);
     direct_end(&d);

@@ -1017,7 +1017,7 @@ bool direct_light(Direct *d, int threads, const Progress *progress, double (*out
         report->direct_pairs += d->workers[t].report.direct_pairs;
         report->direct_cut += d->workers[t].report.direct_cut;
     }
-    if (go_on) join_corners(d, out);
+    if (go_on && out) join_corners(d, out);
     return go_on;
 }
 
@@ -1085,10 +1085,7 @@ static bool beams_meet(const Settling *s, Box box) {
 }
 
 static bool moves_with(const Mesh *mesh, int object, const MovedDoors *moved) {
-    int leaf = mesh->graph->objects[object].leaf;
-    for (int i = 0; i < moved->count && leaf >= 0; i++)
-        if (mesh->graph->building->leaves[leaf].opening == moved->doors[i].opening) return true;
-    return false;
+    return mesh_leaf_moves(moved, mesh->graph->building, mesh->graph->objects[object].leaf);
 }
 
 // The sources of an object of lamps, as bits.

@@ -85,8 +85,8 @@ void direct_start(Direct *d, const Mesh *mesh, const StabForest *forest, const N
                   const Daylight *day, Arena *arena);
 // Patches times the faces of lamps that they may see.
 double direct_pairs(const Direct *d);
-// The irradiance at each node, into `out` [nodes->count]. Takes memory that direct_end frees. With Direct.besides bends are found, too.
-// False where progress asked to stop.
+// The irradiance at each node, into `out` [nodes->count] (NULL: it stays at the corners). Takes memory that direct_end frees. With
+// Direct.besides bends are found, too. False where progress asked to stop.
 bool direct_light(Direct *d, int threads, const Progress *progress, double (*out)[3], RadReport *report);
 // May be called twice.
 void direct_end(Direct *d);

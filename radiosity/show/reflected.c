@@ -202,21 +202,17 @@ static void part_rows_start(PartRows *rows, int count) {
 }
 
 static bool part_moves(const PartRows *rows, const Building *b, int i, const MovedDoors *moved) {
-    for (int k = 0; k < moved->count; k++) {
-        int opening = moved->doors[k].opening;
-        if (rows->leaf[i] >= 0 && b->leaves[rows->leaf[i]].opening == opening) return true;
-        if (view_has_door(rows->row[i].doors, opening)) return true;
-    }
-    return false;
+    for (int k = 0; k < moved->count; k++)
+        if (view_has_door(rows->row[i].doors, moved->doors[k].opening)) return true;
+    return mesh_leaf_moves(moved, b, rows->leaf[i]);
 }
 
-// Copies the rows that are there to memory of their own once most of the memory is of rows that were dropped.
+// Copies the rows that are there to memory of their own once as much again was used as at the last time.
 static void close_gaps(PartRows *rows, int words) {
-    size_t used = 0, there = 0;
+    size_t used = 0;
     for (int t = 0; t < rows->thread_count; t++) used += rows->kept[t].used;
-    for (int i = 0; i < rows->count; i++)
-        there += rows->there[i] ? (size_t)rows->row[i].count * (sizeof(int) + sizeof(float)) : 0;
-    if (used < 3 * there) return;
+    if (rows->used == 0) rows->used = used;
+    if (used <= 2 * rows->used) return;
     Arena kept = {0};
     for (int i = 0; i < rows->count; i++) {
         GatherRow *row = &rows->row[i];
@@ -231,6 +227,7 @@ static void close_gaps(PartRows *rows, int words) {
     }
     for (int t = 0; t < rows->thread_count; t++) arena_free(&rows->kept[t]);
     rows->kept[0] = kept;
+    rows->used = kept.used;
 }
 
 int part_rows_move(PartRows *rows, const Building *building, const MovedDoors *moved) {

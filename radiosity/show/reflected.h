@@ -19,6 +19,7 @@ typedef struct PartRows {
     struct ReflectedPlaces *places;  // where light is found, which stays from light to light
     Arena arena;
     Arena *kept;  // [thread_count]
+    size_t used;  // of them, bytes, when gaps were closed last
 } PartRows;
 void part_rows_end(PartRows *rows);
 // Doors have moved: drops the rows that may see one of them, which the next call of reflected_nodes makes again. Returns how many.

@@ -17,8 +17,8 @@ typedef struct Relight {
     Mesh *mesh;
     const Lamps *lamps;
     const StabForest *forest;
-    float *
-        door_open;  // [opening_count] the array that mesh, rows and sources were made with; relight_state changes it
+    // [opening_count] the array that mesh, rows and sources were made with; relight_state changes it
+    float *door_open;
     const RadOptions *options;
     DirectSources *sources;
     const RadSolution *all;    // that light, whose choices stay
@@ -37,14 +37,13 @@ typedef struct RelightReport {
 void relight_prepare(DirectSources *sources, Mesh *mesh, Arena *arena);
 
 // The light with the doors `door_open` [opening_count] and lamps `lit` [lamps->count], gathered and shown on the same nodes. Lives in the
-// arena. The same, to rounding, whatever states came before it; the same states give the same bytes on any number of threads. False where
-// progress asked to stop.
-//
-// relight_straight is the first step of it, soon done: all but the light straight from lamps and the sun is that of `before`, which the
-// result shares: a light of these lamps that relight_state has found, or `all`.
-void relight_straight(Relight *relight, const float *door_open, const Rgb *lit, const RadSolution *before,
-                      Arena *arena, RadSolution *out, RelightReport *report);
+// arena. The same, to a millionth of all light, whatever states came before it; the same states in the same order give the same bytes on
+// any number of threads. False where progress asked to stop.
 bool relight_state(Relight *relight, const float *door_open, const Rgb *lit, const Progress *progress,
                    Arena *arena, RadSolution *out, RelightReport *report);
+// The first step of it, soon done: all but the light straight from lamps and the sun is that of `before`, a light of these lamps on the
+// same nodes: one that relight_state has found, or `all`. The result shares it.
+void relight_straight(Relight *relight, const float *door_open, const Rgb *lit, const RadSolution *before,
+                      Arena *arena, RadSolution *out, RelightReport *report);
 
 #endif

@@ -89,6 +89,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
     out->direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->direct);
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
+    out->shot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->shot);
     out->daylight = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->daylight);
     out->reflected = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->reflected);
     out->sun = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->sun);
@@ -278,6 +279,7 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
     }
     Four power = shot * four_of(from->area * row->scale), absorbed = power * four_of(row->back);
     if (!direct) s->left -= unshot_power(from);
+    for (int c = 0; c < 3 && !direct && s->solution->shot; c++) s->solution->shot[patch][c] += shot[c];
     from->unshot -= shot;
     shoot_queue_clear(&s->queue, patch);
     shoot_elements_tell(s->elements, row, power, direct);
@@ -496,6 +498,13 @@ static int by_index(const void *a, const void *b) {
     return *p - *q;
 }
 
+// Where light was taken back that shone on a patch, a rounding of it is left: less than this share of all power.
+static const double ROUNDING = 1e-12;
+
+static bool is_rounding(const RadSolution *s, double area, const double irradiance[3]) {
+    return rgb_sum(irradiance) * area < ROUNDING * rgb_sum(s->emitted);
+}
+
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int resolution = s->options->form_factor.resolution, count = 0, noisy = 0;
@@ -523,8 +532,7 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     for (int p = 0; p < mesh->patch_count; p++) {
         // Those to which no light was shot are covered, or in rooms without light.
         take_shot(mesh, s->solution, p, s->solution->reflected[p]);
-        // Light that goes on leaves a rounding of itself on a plug.
-        if (mesh->faces[mesh->patches[p].face].hidden)
+        if (s->again && is_rounding(s->solution, mesh->patches[p].area, s->solution->reflected[p]))
             memset(s->solution->reflected[p], 0, sizeof *s->solution->reflected);
         if (mesh->patches[p].area >= RAD_SMALL && rgb_sum(s->solution->reflected[p]) > 0) patch[count++] = p;
     }
@@ -609,13 +617,6 @@ typedef struct TakenBack {
     Rgb *reflectance;  // [patch_count]
 } TakenBack;
 
-// The mean of the radiosities of a patch's elements.
-static void mean_radiosity(const Mesh *mesh, const RadSolution *s, const Patch *patch, double out[3]) {
-    out[0] = out[1] = out[2] = 0;
-    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-        for (int c = 0; c < 3; c++) out[c] += s->radiosity[e][c] * mesh->elements[e].area / patch->area;
-}
-
 // Takes back a shot along a row, W a channel: `shoot` and ShootElements the other way round.
 static void take_back(const TakenBack *t, const ShootRow *row, const double power[3], bool direct) {
     const Mesh *mesh = t->mesh;
@@ -645,19 +646,9 @@ static void take_back(const TakenBack *t, const ShootRow *row, const double powe
     for (int c = 0; c < 3; c++) s->escaped[c] -= lost[c];
 }
 
-// A patch has shot nothing where it would be less light than this share of its radiosity, or of all power: shares of rows are floats, of
-// elements and of patches apart.
-static const double NOTHING = 1e-5, NO_POWER = 1e-12;
-
-static double absolute(const double v[3]) { return fabs(v[0]) + fabs(v[1]) + fabs(v[2]); }
-
-static bool has_shot(const Mesh *mesh, const RadSolution *s, int patch, double shot[3]) {
-    const Patch *p = &mesh->patches[patch];
-    double mean[3];
-    mean_radiosity(mesh, s, p, mean);
-    for (int c = 0; c < 3; c++) shot[c] = mean[c] - s->unshot[patch][c];
-    return absolute(shot) > NOTHING * absolute(mean) &&
-           absolute(shot) * p->area > NO_POWER * rgb_sum(s->emitted);
+static bool has_shot(const Mesh *mesh, const RadSolution *s, int patch) {
+    const double *shot = s->shot[patch];
+    return shot[0] != 0 || shot[1] != 0 || shot[2] != 0 || mesh_emits(mesh, mesh->patches[patch].face);
 }
 
 bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors *moved,
@@ -665,27 +656,27 @@ bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors
     Arena scratch = {0};
     const ShootRows *rows = options->rows;
     TakenBack t = {mesh, rows, solution, ARENA_ARRAY(&scratch, Rgb, mesh->patch_count + 1)};
-    double(*shot)[3] = arena_alloc(&scratch, (size_t)mesh->patch_count + 1, sizeof *shot);
     bool *taken = ARENA_ARRAY(&scratch, bool, mesh->patch_count + 1), good = true;
-    // All is measured before anything is taken back.
     for (int p = 0; p < mesh->patch_count && good; p++) {
         t.reflectance[p] = mesh_patch_reflectance(mesh, p);
-        taken[p] = has_shot(mesh, solution, p, shot[p]) &&
-                   (!shoot_rows_of(rows, p) || shoot_rows_depend(rows, p, moved));
-        good = !taken[p] || shoot_rows_of(rows, p);
+        bool there = shoot_rows_of(rows, p) != NULL;
+        taken[p] = !again[p] && has_shot(mesh, solution, p) && (!there || shoot_rows_depend(rows, p, moved));
+        good = !taken[p] || there;
     }
     for (int p = 0; p < mesh->patch_count && good; p++) {
         const Patch *patch = &mesh->patches[p];
-        double emitted[3], power[3];
+        double power[3], emitted[3], *shot = solution->shot[p];
         if (!taken[p]) continue;
-        rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
-        for (int c = 0; c < 3; c++) power[c] = (shot[p][c] - emitted[c]) * patch->area;
+        for (int c = 0; c < 3; c++) power[c] = shot[c] * patch->area;
         take_back(&t, shoot_rows_of(rows, p), power, false);
-        for (int c = 0; c < 3; c++) solution->unshot[p][c] += shot[p][c];
-        if (rgb_sum(emitted) <= 0) continue;
-        for (int c = 0; c < 3; c++) power[c] = emitted[c] * patch->area;
-        take_back(&t, shoot_rows_of(rows, p), power, true);
-        again[p] = true;
+        rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
+        again[p] = rgb_sum(emitted) > 0;
+        for (int c = 0; c < 3; c++) {
+            power[c] = emitted[c] * patch->area;
+            solution->unshot[p][c] += shot[c] + emitted[c];
+            shot[c] = 0;
+        }
+        if (again[p]) take_back(&t, shoot_rows_of(rows, p), power, true);
     }
     arena_free(&scratch);
     return good;

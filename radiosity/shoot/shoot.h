@@ -77,6 +77,8 @@ struct RadSolution {
     float *noise;
     bool gathered;
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
+    double (*shot)
+        [3];  // [patch_count] what was shot of it along the patch's row, without what lamps emit. A .rad file does not hold it.
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
     Daylight day;        // the day that shone (sky.h); its light that came in counts as `emitted`

@@ -30,7 +30,7 @@ static const double MOST_ADDED = 1;
 // And so many more under a sun, whose shadows have edges that are sharp wherever they pass. Homes take 10,000 to 20,000.
 static const double MOST_ADDED_BY_SUN = 30000;
 // Where light is to be shown in several states of the doors, bends of all of them may add so many times as many.
-static const double DOORS_ADD = 3;
+static const double DOORS_ADD = 1.2;
 // Nodes are lifted by this share of what linear light between them is below the light at the middle of elements: so the mean of the
 // two is the same where light is bent like a parabola. Where it is off by more than MOST_LIFT of all light there, at edges of shadows, they
 // are left as they are.

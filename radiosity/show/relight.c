@@ -65,6 +65,7 @@ static void copy_light(const RadSolution *from, RadSolution *to) {
     memcpy(to->direct, from->direct, elements * sizeof *to->direct);
     memcpy(to->daylight, from->daylight, elements * sizeof *to->daylight);
     memcpy(to->unshot, from->unshot, patches * sizeof *to->unshot);
+    memcpy(to->shot, from->shot, patches * sizeof *to->shot);
     memcpy(to->emitted, from->emitted, sizeof to->emitted);
     memcpy(to->absorbed, from->absorbed, sizeof to->absorbed);
     memcpy(to->escaped, from->escaped, sizeof to->escaped);
@@ -84,7 +85,10 @@ static void take_last(const Relight *r, RadSolution *out) {
             out->direct[e][c] = light->direct[e][c];
         }
     for (int p = 0; p < out->patch_count; p++)
-        for (int c = 0; c < 3; c++) out->unshot[p][c] += light->unshot[p][c] - begun->unshot[p][c];
+        for (int c = 0; c < 3; c++) {
+            out->unshot[p][c] += light->unshot[p][c] - begun->unshot[p][c];
+            out->shot[p][c] = light->shot[p][c];
+        }
     for (int c = 0; c < 3; c++) {
         out->absorbed[c] += light->absorbed[c] - begun->absorbed[c];
         out->escaped[c] += light->escaped[c] - begun->escaped[c];
@@ -122,6 +126,7 @@ static bool shoot_state(Relight *r, const Mesh *mesh, const Rgb *lit, const Prog
     begun.direct = arena_alloc(&scratch, (size_t)out->element_count + 1, sizeof *begun.direct);
     begun.daylight = arena_alloc(&scratch, (size_t)out->element_count + 1, sizeof *begun.daylight);
     begun.unshot = arena_alloc(&scratch, (size_t)out->patch_count + 1, sizeof *begun.unshot);
+    begun.shot = arena_alloc(&scratch, (size_t)out->patch_count + 1, sizeof *begun.shot);
     copy_light(out, &begun);
     if (on) take_last(r, out);
     RadReport report =

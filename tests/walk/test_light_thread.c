@@ -275,8 +275,8 @@ static LitLight wait_until_followed(LightThread *thread) {
 }
 
 // Proves that the first step shows reflected light as it was shown before, also where that was a sum and the doors had been elsewhere
-// meanwhile: most vertices, which see no lamp past the door, stay as they were to a thousandth, to which light of lamps is stored, and as much
-// again for what is found anew.
+// meanwhile: most vertices, which see no lamp past the door, stay as they were to a thousandth, to which light of lamps is stored, and as
+// much again for what is found anew.
 static void check_first_step(LightThread *thread, float *doors, int door, int openings) {
     Arena arena = {0};
     Rgb full[4];

@@ -20,8 +20,9 @@ static const char HEAD[] = "building,change,method,ms_90,ms_whole,speedup,error_
 enum { STATES = 200, SHOT = 1, APART = STATES / SHOT + 1 };
 // The truth: of each lamp's light a tenth of this is not shot (each_lamp.h).
 static const double TRUTH = 1e-6;
-// Light below this share of the brightest state of a place counts as that much. So does light below this share of the mean of all places: a
-// third of the first step above black that a display of 8 bits shows (1 / 255 / 12.92 of white, in sRGB). Cracks behind furniture have less.
+// Light below this share of the brightest state of a place counts as that much. So does light below this share of the mean of all places:
+// a third of the first step above black that a display of 8 bits shows (1 / 255 / 12.92 of white, in sRGB). Cracks behind furniture have
+// less.
 static const double DARK = 1e-3, NOTHING = 1e-4;
 
 typedef struct Relit {

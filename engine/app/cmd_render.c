@@ -93,7 +93,7 @@ static bool find_camera(Render *r, Error *error) {
 // ---- light
 
 static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
-    LightBaker baker = light_baker(&r->scene, arena);
+    LightBaker baker = light_baker(&r->scene, true, arena);
     WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
     if (!baker.bake)
         return error_set(error,

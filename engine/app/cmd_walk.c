@@ -364,7 +364,7 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
 }
 
 static bool open_window(Arguments *a, Arena *arena, Error *error) {
-    SessionLoader loader = {walk_scene_load, &a->load};
+    SessionLoader loader = {walk_scene_load, &a->load, walk_scene_turn};
     a->load.light_later = true;
     SessionOptions *session = &a->window.session;
     session->file = a->file;

@@ -42,6 +42,13 @@ bool day_over(const DayOptions *options, const Building *building, Daylight *out
 // The usual day over a building; all zeros where it is night at the building's own hour.
 void day_usual(const Building *building, Daylight *out);
 
+// The hour under which a day is shown, of the clock of the options' date: theirs, or where the day is another one, as that of stored light
+// may be, the hour at which the sun stands nearest to the day's.
+double day_hour(const DayOptions *options, const Building *building, const Daylight *day);
+// The options at another hour of that clock; hours below 0 and above 24 are those of the days beside it. Where the sun is too low for
+// daylight it is night.
+DayOptions day_at_hour(const DayOptions *options, const Building *building, double hour);
+
 // A day in words, for messages: `size` bytes at most.
 void day_describe(const Daylight *day, char *out, size_t size);
 

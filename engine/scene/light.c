@@ -1,6 +1,7 @@
 // light.c - finds and reads a .rad file for a scene, or makes it.
 #include "engine/scene/light.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "engine/core/clock.h"
@@ -364,13 +365,13 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     return good;
 }
 
-LightBaker light_baker(LoadedScene *scene, Arena *arena) {
+LightBaker light_baker(LoadedScene *scene, bool keep, Arena *arena) {
     Error error;
     bool lit = scene_emits(scene) || daylight_shines(&scene->day);
     if (!lit || !scene_has_walls(scene, &error)) return (LightBaker){0};
     SceneBake *bake = ARENA_ARRAY(arena, SceneBake, 1);
-    *bake = (SceneBake){scene, light_place(&scene->building, arena)};
-    if (!scene_cache_takes(scene, bake->out, LIGHT_ROOM)) bake->out = NULL;
+    *bake = (SceneBake){scene, keep ? light_place(&scene->building, arena) : NULL};
+    if (keep && !scene_cache_takes(scene, bake->out, LIGHT_ROOM)) bake->out = NULL;
     return (LightBaker){bake_scene, bake, .keeps = bake->out != NULL};
 }
 
@@ -408,8 +409,37 @@ bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *o
     *out = (WalkScene){.scene = scene, .graph = &scene->graph, .forest = &scene->forest};
     bool later = load->light_later && scene->light_count > 0;
     if (!later && !light_find(scene, load->light != NULL, arena, &out->light, error)) return false;
-    if (!out->light && load->lamps == SCENE_LAMPS_ALL) out->baker = light_baker(scene, arena);
+    if (!out->light && load->lamps == SCENE_LAMPS_ALL) out->baker = light_baker(scene, !load->turned, arena);
     if (later) out->baker = stored_light(scene, load->light != NULL, out->baker, arena);
     load->gentle = true;
+    return true;
+}
+
+// The weather of a day whose light was stored goes on.
+static int weather_of(const Daylight *day) {
+    for (int w = 0; w < DAYLIGHT_WEATHERS && daylight_shines(day); w++)
+        if (strcmp(daylight_weather_name(day), DAYLIGHT_WEATHER_NAMES[w]) == 0) return w;
+    return -1;
+}
+
+bool walk_scene_turn(void *context, const WalkScene *shown, int minutes, char *said, size_t size,
+                     Error *error) {
+    SceneOptions *load = context;
+    const LoadedScene *scene = shown->scene;
+    const Building *building = &scene->building;
+    if (load->lamps != SCENE_LAMPS_ALL)
+        return error_set(error, "the hour stays as it is: this walk bakes no light (--no-bake)");
+    if (daylight_shines(&scene->day) && daylight_is_uniform(&scene->day))
+        return error_set(error, "the hour stays as it is: an even sky (--sky) has none");
+    DayOptions *from = &load->turned_from;
+    if (isnan(from->time[0])) {
+        *from = day_at_hour(&load->day, building, day_hour(&load->day, building, &scene->day));
+        if (from->weather < 0) from->weather = weather_of(&scene->day);
+    }
+    load->turned = minutes;
+    double hour = from->time[0] + minutes / 60.0;
+    int of_day = (int)(lrint(60 * hour) % (24 * 60) + 24 * 60) % (24 * 60);
+    bool night = minutes ? day_at_hour(from, building, hour).night : !daylight_shines(&scene->day);
+    snprintf(said, size, "%02d:%02d%s", of_day / 60, of_day % 60, night ? ", night" : "");
     return true;
 }

@@ -56,8 +56,8 @@ typedef struct LightBaker {
 
 // The baker that bakes as `enfilade bake FILE` does by itself, under the scene's day, and stores the light where that stores it. Its
 // `bake` is NULL where nothing emits light and it is night, or there is no surface that light could fall on. The scene was loaded
-// with all lamps.
-LightBaker light_baker(LoadedScene *scene, Arena *arena);
+// with all lamps. `keep`: false, the light is not stored.
+LightBaker light_baker(LoadedScene *scene, bool keep, Arena *arena);
 
 // The light of one source by itself, fully lit, on light->mesh: of lamp `source`, or of the day, states->lamps->count; without the fields
 // `direct`, `unshot` and `rest`. The light must have `states`. The result lives in the arena.
@@ -95,5 +95,10 @@ typedef struct WalkScene {
 // Loads a building to walk through: stab trees, light, or a baker for it, where there is no light and all lamps were asked for
 // (SCENE_LAMPS_ALL). `context` is a SceneOptions. After the first building its memory is asked for gently, for there is one to go on with.
 bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
+// Turns the hour at which the next buildings are loaded: so many minutes on from that of the first. `shown` is one that was loaded; 0:
+// loaded as at first, stored light and all. Tells the hour in `said` [size]. False, with a sentence, where no light is baked, or the sky
+// has no hours. Light of other hours is not stored.
+bool walk_scene_turn(void *context, const WalkScene *shown, int minutes, char *said, size_t size,
+                     Error *error);
 
 #endif

@@ -17,7 +17,10 @@
 #include "visibility/prepare/prepare.h"
 
 SceneOptions scene_default_options(void) {
-    return (SceneOptions){.vis = vis_default_options(), .day = day_default_options(), .keep = true};
+    return (SceneOptions){.vis = vis_default_options(),
+                          .day = day_default_options(),
+                          .turned_from = day_default_options(),
+                          .keep = true};
 }
 
 // ---- files
@@ -147,16 +150,21 @@ static bool read_building(const char *path, const SceneOptions *options, Arena *
                           Error *error) {
     *out = (LoadedScene){.warn = options->warn};
     double start = clock_seconds();
+    DayOptions day = options->day;
     budget_open(path, options->memory, options->gentle);
     if (!maps_read_map(path, options->map, arena, &out->building, error) ||
         !take_photometry(options, arena, &out->building, error) ||
         !scene_spares(options->written, options->written_count, out->building.beside,
-                      out->building.beside_count, error) ||
-        !day_over(&options->day, &out->building, &out->day, error) ||
-        (options->find_light && !find_lights(path, options, arena, out, error)))
+                      out->building.beside_count, error))
         return false;
-    out->day_given = day_asks(&options->day) || options->day.night;
-    if (options->day.usual && !out->day_given) {
+    if (options->turned)
+        day = day_at_hour(&options->turned_from, &out->building,
+                          options->turned_from.time[0] + options->turned / 60.0);
+    if (!day_over(&day, &out->building, &out->day, error) ||
+        (options->find_light && !options->turned && !find_lights(path, options, arena, out, error)))
+        return false;
+    out->day_given = day_asks(&day) || day.night;
+    if (day.usual && !out->day_given) {
         // Stored light that turns out to be damaged is baked anew under its own day.
         out->day = out->light_day;
         if (out->light_count == 0) day_usual(&out->building, &out->day);

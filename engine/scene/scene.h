@@ -39,6 +39,9 @@ typedef struct SceneOptions {
     // The daylight asked for: stored light of another day does not fit, and light that is baked is of this one. None: any stored light
     // fits, and light is baked by night.
     DayOptions day;
+    // Minutes by which the hour is turned on from that of another day (walk_scene_turn); not 0: stored light is not looked for.
+    int turned;
+    DayOptions turned_from;
     // The use of the building, where it may take too much memory: "baking"; NULL: "working on it".
     const char *work;
     // Memory that may be used, bytes; 0: as much as fits the file to open it, then three quarters of the machine's.

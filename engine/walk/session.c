@@ -19,7 +19,8 @@ SessionOptions session_default_options(void) {
 static WalkLook usual_look(void) { return gl_is_software() ? WALK_FAST : WALK_FINE; }
 
 static bool open_session(Session *s, Error *error) {
-    Shown *shown = s->load ? session_load_end(s, error) : shown_load(s, error);
+    Shown *shown = s->load ? session_load_end(s->load, error) : shown_load(s, error);
+    s->load = NULL;
     if (!shown || !shown_upload(s, shown, error)) return false;
     s->shown = shown;
     s->sketched = usual_look();
@@ -69,10 +70,9 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
 
 void session_free(Session *s) {
     if (!s) return;
-    if (s->load) {
-        Error ignored;
-        s->shown = session_load_end(s, &ignored);
-    }
+    Error ignored;
+    if (s->load) s->shown = session_load_end(s->load, &ignored);
+    session_drop_coming(s);
     if (s->recording) session_record(s);
     if (s->trace >= 0) close(s->trace);
     overlay_free(s->overlay);
@@ -91,22 +91,17 @@ void session_reload(Session *s) {
     Error error;
     // The watch begins anew before the file is read, so that a change read by F5 is not read once more.
     s->watch = file_watch_begin(s->options.file);
+    session_drop_coming(s);
     Shown *next = shown_load(s, &error);
     if (!next || !shown_upload(s, next, &error)) {
         session_say(s, true, "%s", error.text);
         return;
     }
-    doors_keep(&next->doors, &s->shown->doors);
-    session_leave(s, s->shown);
-    s->shown = next;
-    if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
-    s->visible = (VisResult){.eye_cell = -1};
-    s->frozen = false;
     // A recorded path names the doors of the file as it was before.
     s->replay = NULL;
     if (s->recording) session_record(s);
-    s->person.cell = -1;
-    person_put(&s->person, &next->world, s->person.eye, s->person.yaw, s->person.pitch);
+    session_show_next(s, next);
+    if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
     session_say(s, false, "%s was read again", s->options.file);
 }
 
@@ -157,6 +152,7 @@ void session_advance(Session *s, double now) {
     s->behind += fmin(fmax(passed, 0), LONGEST_STALL);
     for (; s->behind >= 1.0 / SESSION_TICKS; s->behind -= 1.0 / SESSION_TICKS) tick(s);
     watch_file(s);
+    session_take_coming(s);
     session_let_go(s);
     session_trace(s);
 }

@@ -9,10 +9,12 @@
 #include "engine/walk/display.h"
 #include "engine/walk/walk_offscreen.h"
 
-// Loads the building at the start and whenever its file changes (walk_scene_load).
+// Loads the building at the start, whenever its file changes, and at another hour (walk_scene_load).
 typedef struct SessionLoader {
     bool (*load)(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
     void *context;
+    // Turns the hour at which it is loaded next (walk_scene_turn); NULL: the hour stays.
+    bool (*turn)(void *context, const WalkScene *shown, int minutes, char *said, size_t size, Error *error);
 } SessionLoader;
 
 typedef struct SessionOptions {

@@ -143,13 +143,14 @@ static json_t *trace_doors(const Session *s) {
 
 static json_t *trace_light(const Session *s) {
     int count, dark = session_dark_lamps(s, &count);
-    return json_pack("{s:b, s:f, s:f, s:f, s:b, s:s, s:i, s:i, s:b, s:b}", "shown",
+    return json_pack("{s:b, s:f, s:f, s:f, s:b, s:s, s:i, s:i, s:b, s:b, s:s, s:b}", "shown",
                      (int)session_light_shown(s), "done", session_light_done(s), "exposure",
                      exposure_scale(&s->exposure), "stops", s->exposure.stops, "fixed",
                      (int)s->exposure.fixed, "false_colour", FALSE_COLOUR_NAMES[s->false_colour], "lamps",
                      count, "lamps_off", dark, "lamps_known",
                      s->shown->baking && light_thread_lamps(s->shown->baking) == LAMPS_KNOWN, "behind",
-                     s->shown->baking && light_thread_behind(s->shown->baking));
+                     s->shown->baking && light_thread_behind(s->shown->baking), "hour", s->hour, "coming",
+                     (int)(session_coming_done(s) >= 0));
 }
 
 // The times from the end of one frame to the end of the next, ms, of all frames since the last line.

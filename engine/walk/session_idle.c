@@ -48,7 +48,7 @@ static SessionSeen take_note(const Session *s, int width, int height, double sca
     }
     seen.lamp = session_lamp(s);
     seen.lamp_chosen = s->lamp_chosen;
-    if (s->statistics) seen.light_done = (int)(100 * session_light_done(s));
+    if (s->statistics) seen.light_done = (int)(100 * (session_light_done(s) + session_coming_done(s)));
     return seen;
 }
 

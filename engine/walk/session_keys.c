@@ -107,6 +107,11 @@ static void switch_lamps(Session *s, int key) {
 
 static void dim_lamps(Session *s, int key) { session_dim_lamps(s, key == ']' ? 1 : -1); }
 
+// By ten minutes, with Shift by an hour.
+static void turn_hour(Session *s, int key) {
+    session_turn_hour(s, (key == '.' ? 1 : -1) * (s->held[HELD_HURRY] > 0 ? 60 : 10));
+}
+
 static void list_lamps(Session *s, int key) {
     (void)key;
     session_list_lamps(s);
@@ -220,6 +225,8 @@ static const struct {
               {'Q', 'Q', switch_lamps},
               {'[', ']', dim_lamps},
               {'J', 'J', list_lamps},
+              {',', ',', turn_hour},
+              {'.', '.', turn_hour},
               {DISPLAY_KEY_UP, DISPLAY_KEY_UP, choose_lamp},
               {DISPLAY_KEY_DOWN, DISPLAY_KEY_DOWN, choose_lamp},
               {'P', 'P', take_picture},
@@ -252,6 +259,7 @@ const HudKey SESSION_KEYS[] = {
     {"-, =, U", "darker, brighter; the eye adapts, or stays as it is"},
     {"Q, [ ]", "switch the lamp looked at, or the room's; darker, brighter"},
     {"J", "list of lamps: up and down choose, Q [ ] switch"},
+    {", .", "ten minutes earlier, later; with Shift an hour"},
     {"K", "light in false colours: radiosity, irradiance, illuminance"},
     {"P, F12", "screenshot"},
     {"R, L", "record a path, and end it; replay it"},

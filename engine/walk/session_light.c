@@ -58,18 +58,20 @@ static void follow_doors(Session *s) {
     session_ask_light(shown);
 }
 
-void session_receive_light(Session *s) {
-    Shown *shown = s->shown;
+void shown_receive_light(Shown *shown, size_t bytes) {
     WalkRenderer *renderer = shown->renderer;
-    if (!shown->baking) return;
     const LitLight *light = walk_renderer_fading(renderer) ? NULL : light_thread_light(shown->baking);
     LitMesh *mesh = light_thread_mesh(shown->baking);
     if (mesh && (light || !walk_renderer_mesh(renderer))) walk_renderer_expect(renderer, mesh, &shown->arena);
-    bool first = !walk_renderer_lit(renderer);
-    if (light && walk_renderer_take(renderer, light, SLICE)) {
-        light_thread_received(shown->baking);
-        if (first && !s->look_chosen) s->look = WALK_BAKED;
-    }
+    if (light && walk_renderer_take(renderer, light, bytes)) light_thread_received(shown->baking);
+}
+
+void session_receive_light(Session *s) {
+    Shown *shown = s->shown;
+    if (!shown->baking) return;
+    bool dark = !walk_renderer_lit(shown->renderer);
+    shown_receive_light(shown, SLICE);
+    if (dark && walk_renderer_lit(shown->renderer) && !s->look_chosen) s->look = WALK_BAKED;
     tell_end(s);
     follow_doors(s);
 }
@@ -141,6 +143,8 @@ static const char *text_behind(const Session *s, Arena *arena) {
 
 const char *session_light_text(const Session *s, Arena *arena) {
     const char *arriving = "";
+    double coming = session_coming_done(s);
+    if (coming >= 0) return arena_format(arena, "%.0f %% of %s", 100 * coming, s->hour);
     if (session_light_arriving(s)) arriving = arena_format(arena, "%.0f %%, ", 100 * session_light_done(s));
     if (!session_light_shown(s))
         return *arriving ? arena_format(arena, "%sto come", arriving) : "as sketched";

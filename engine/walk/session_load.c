@@ -1,4 +1,6 @@
-// session_load.c - a building is read in a thread of its own while the window opens, and the first picture is drawn there.
+// session_load.c - a building is read in a thread of its own while the window opens, and the first picture is drawn there. At another hour
+// it is read and lit in the background of the walk.
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -58,11 +60,96 @@ const SessionPicture *session_first_picture(const Session *s) {
     return s->load && atomic_load(&s->load->done) && s->load->picture.pixels ? &s->load->picture : NULL;
 }
 
-Shown *session_load_end(Session *s, Error *error) {
-    SessionLoad *load = s->load;
+Shown *session_load_end(SessionLoad *load, Error *error) {
     pthread_join(load->handle, NULL);
     arena_free(&load->arena);
-    s->load = NULL;
     if (!load->shown) *error = load->error;
     return load->shown;
+}
+
+// ---- another hour
+
+static bool turn(Session *s, int minutes, Error *error) {
+    if (!s->loader.turn) return error_set(error, "the hour stays as it is: no light is baked");
+    return s->loader.turn(s->loader.context, &s->shown->scene, minutes, s->hour, sizeof s->hour, error);
+}
+
+void session_drop_coming(Session *s) {
+    Error ignored;
+    if (s->coming_load) s->coming = session_load_end(s->coming_load, &ignored);
+    if (s->coming) session_leave(s, s->coming);
+    s->coming_load = NULL;
+    s->coming = NULL;
+}
+
+// Nothing comes: the hour is that of the building that is shown.
+static void stay(Session *s, const char *reason) {
+    Error ignored;
+    session_say(s, true, "%s", reason);
+    session_drop_coming(s);
+    s->turned = s->shown->turned;
+    turn(s, s->turned, &ignored);
+}
+
+void session_turn_hour(Session *s, int minutes) {
+    Error error;
+    session_drop_coming(s);
+    if (!turn(s, s->turned + minutes, &error)) {
+        session_say(s, false, "%s", error.text);
+        return;
+    }
+    s->turned += minutes;
+    if (s->turned == s->shown->turned) {
+        session_say(s, false, "%s", s->hour);
+        return;
+    }
+    s->coming_load = session_load_begin(s, 0, 0, s->arena);
+    if (s->coming_load)
+        session_say(s, false, "%s: the light of that hour is on its way", s->hour);
+    else
+        stay(s, "the hour stays as it is: no thread can be started");
+}
+
+// Lamps that were switched stay so, where they are the same.
+static void keep_lamps(const Shown *before, Shown *next) {
+    const LoadedScene *a = before->scene.scene, *b = next->scene.scene;
+    if (!a || !b || !next->baking || a->lamps.count != b->lamps.count) return;
+    size_t bytes = (size_t)a->lamps.count * sizeof *next->lit;
+    if (memcmp(before->lit, next->lit, bytes) == 0) return;
+    memcpy(next->lit, before->lit, bytes);
+    session_ask_light(next);
+}
+
+static void upload_coming(Session *s) {
+    Error error;
+    Shown *next = session_load_end(s->coming_load, &error);
+    s->coming_load = NULL;
+    if (!next || !shown_upload(s, next, &error)) {
+        stay(s, error.text);
+        return;
+    }
+    s->coming = next;
+    if (!next->baking && !next->scene.light) stay(s, "the hour stays as it is: nothing emits light then");
+}
+
+void session_take_coming(Session *s) {
+    if (s->coming_load && atomic_load(&s->coming_load->done)) upload_coming(s);
+    Shown *next = s->coming;
+    if (!next) return;
+    int end = next->baking ? light_thread_end(next->baking) : LIGHT_READY;
+    if (next->baking) {
+        walk_renderer_fade(next->renderer, INFINITY);
+        shown_receive_light(next, SIZE_MAX);
+        if (end == LIGHT_UNDER_WAY || light_thread_light(next->baking)) return;
+    }
+    if (end == LIGHT_FAILED) {
+        stay(s, light_thread_note(next->baking));
+        return;
+    }
+    keep_lamps(s->shown, next);
+    s->coming = NULL;
+    next->told = true;
+    session_show_next(s, next);
+    if (walk_renderer_lit(next->renderer) && !s->look_chosen) s->look = WALK_BAKED;
+    session_say(s, false, "%s", s->hour);
 }

@@ -24,7 +24,7 @@ FirstScene shown_first_scene(Shown *shown) {
 Shown *shown_load(const Session *s, Error *error) {
     Arena arena = {0};
     Shown *shown = ARENA_ARRAY(&arena, Shown, 1);
-    *shown = (Shown){.arena = {0}};
+    *shown = (Shown){.turned = s->turned};
     if (!s->loader.load(s->loader.context, s->options.file, &arena, &shown->scene, error)) {
         arena_free(&arena);
         return NULL;
@@ -44,7 +44,7 @@ Shown *shown_load(const Session *s, Error *error) {
     shown->arena = arena;
     Arena scratch = {0};
     FirstScene scene = shown_first_scene(shown);
-    shown->first = first_view(&scene, s->fov, &scratch);
+    shown->first = first_view(&scene, FIRST_VIEW_FOV, &scratch);
     arena_free(&scratch);
     return shown;
 }
@@ -80,6 +80,16 @@ bool shown_free(Shown *shown, double seconds) {
     Arena arena = shown->arena;
     arena_free(&arena);
     return true;
+}
+
+void session_show_next(Session *s, Shown *next) {
+    doors_keep(&next->doors, &s->shown->doors);
+    session_leave(s, s->shown);
+    s->shown = next;
+    s->visible = (VisResult){.eye_cell = -1};
+    s->frozen = false;
+    s->person.cell = -1;
+    person_put(&s->person, &next->world, s->person.eye, s->person.yaw, s->person.pitch);
 }
 
 void session_leave(Session *s, Shown *shown) {

@@ -67,6 +67,12 @@ bool session_light_arriving(const Session *s) {
     return s->shown->baking && light_thread_end(s->shown->baking) == LIGHT_UNDER_WAY;
 }
 
+double session_coming_done(const Session *s) {
+    if (s->coming_load) return 0;
+    if (!s->coming) return -1;
+    return s->coming->baking ? light_thread_done(s->coming->baking) : 1;
+}
+
 int session_flags(const Session *s, const char **out) {
     int count = 0;
     if (s->frozen) out[count++] = "frozen";

@@ -51,6 +51,7 @@ typedef struct Shown {
     Rgb *lit;             // [lamps of the scene] as they are switched
     float *asked_open;    // [opening_count] the doors for which light was asked last
     bool doors_moved;     // since the building was opened: light that shows them otherwise is wrong
+    int turned;           // minutes by which its hour was turned
     bool told;            // the end of the bake has been reported
     struct Shown *next;   // in the list of those no longer shown whose light is still being baked
 } Shown;
@@ -72,6 +73,11 @@ struct Session {
     SessionLoader loader;
     Arena *arena;
     SessionLoad *load;  // the building is being read, or NULL
+    // At another hour: the building is being read, or is there and gets its light, or both are NULL.
+    SessionLoad *coming_load;
+    Shown *coming;
+    int turned;     // minutes, of the building that comes, or that is shown
+    char hour[32];  // in words; "": it was never turned
     Shown *shown, *leaving;
     Overlay *overlay;
     Person person;
@@ -126,7 +132,14 @@ struct Session {
 // ---- session_load.c
 // NULL: no thread can be started.
 SessionLoad *session_load_begin(const Session *s, int width, int height, Arena *arena);
-Shown *session_load_end(Session *s, Error *error);
+// Waits for its end, and frees it.
+Shown *session_load_end(SessionLoad *load, Error *error);
+// Turns the hour: the building is read and lit once more, and takes the place of the one that is shown once all its light is there.
+void session_turn_hour(Session *s, int minutes);
+// Goes on with that. Needs OpenGL.
+void session_take_coming(Session *s);
+// Gives the building up that was to come.
+void session_drop_coming(Session *s);
 
 // ---- session_scene.c
 Shown *shown_load(const Session *s, Error *error);  // without OpenGL, in any thread
@@ -139,6 +152,8 @@ bool shown_free(Shown *shown, double seconds);
 void session_let_go(Session *s);
 // Stops showing a building; it is freed when its bake has ended.
 void session_leave(Session *s, Shown *shown);
+// Shows another building of the same file; the person and the doors stay where they are.
+void session_show_next(Session *s, Shown *next);
 // Puts the person on foot where this eye looks from, or in flight where no body comes near enough to the eye. Ends a replay.
 void session_stand(Session *s, Vec3 eye, double yaw, double pitch);
 // Goes to a stored viewpoint; false if there are fewer viewpoints.
@@ -161,6 +176,8 @@ void session_trace(Session *s);
 
 // ---- session_light.c
 void session_receive_light(Session *s);  // once a frame, before drawing
+// Uploads light that has come, about `bytes` bytes of it.
+void shown_receive_light(Shown *shown, size_t bytes);
 // Asks for the light of the lamps as they are switched, and of the doors, once one of them has moved.
 void session_ask_light(Shown *shown);
 void session_expose(Session *s, const Camera *camera);  // adapts to the visible objects
@@ -194,6 +211,8 @@ int session_storey(const Session *s);
 int session_door(const Session *s);
 // Has a bake in the background not yet ended?
 bool session_light_arriving(const Session *s);
+// How much is there of the building at another hour, 0 .. 1; below 0: none comes.
+double session_coming_done(const Session *s);
 // The words about a door that is looked at: open it, close it, or step out of its way.
 const char *session_door_prompt(const Session *s, int door, Arena *arena);
 // The opacity of the hint of the first keys, 0 .. 1: it fades in the walk's first seconds.

@@ -543,6 +543,24 @@ def lamps(v):
     v.expect(math.dist(before, w.now["eye"]) > 0.3, "the key up walks no more")
 
 
+def hour_turns(v):
+    """It is night. The light of another hour comes while that of the night is shown, and then a sun shines; back again at once."""
+    w = v.walker
+    v.press_all("i")
+    night = w.now["light"]["exposure"]
+    for key, hour in (("period", "10:10"), ("shift+period", "11:10")):
+        w.key(key)
+        v.expect(w.now["light"]["hour"] == hour and w.now["light"]["coming"], f"it is {w.now['light']['hour']}")
+    v.expect(w.now["light"]["shown"], "no light is shown until other light is there")
+    w.until(lambda now: not now["light"]["coming"], "the light of another hour", 400)
+    v.expect(w.now["message"] == "11:10", f"the message is `{w.now['message']}`")
+    w.until(lambda now: now["light"]["exposure"] < night / 2, "the eye adapts to the day", 60)
+    w.key("period")
+    w.key("comma")
+    v.expect(not w.now["light"]["coming"] and w.now["light"]["hour"] == "11:10", "the hour was turned back")
+    v.press_all("i")
+
+
 PARTS = [ground_floor, out_of_one_window_in_at_another, courtyard, closed_door, upstairs, debug_views, panels, flight,
          storeys, recording, focus, sizes, changed_file, screen_shows_the_frame, pictures, culling_loses_nothing, pace]
 
@@ -575,7 +593,7 @@ def main():
         sys.exit(not (visit(arguments, keep, [], [small, light_arrives]) and good))
     good = "--lit" in sys.argv or visit(arguments, keep, ["--no-bake"], PARTS)
     # In the end a walk that is lit as it goes on; with --lit this one alone.
-    good = visit(arguments, keep, [], [light_arrives, light_follows, lit_pictures, lamps]) and good
+    good = visit(arguments, keep, [], [light_arrives, light_follows, lit_pictures, lamps, hour_turns]) and good
     sys.exit(not good)
 
 

@@ -96,3 +96,25 @@ Test(day, in_words) {
     cr_expect_str_eq(words,
                      "intermediate sky with the sun 30.00 degrees high, 200.00 degrees clockwise from +y");
 }
+
+// Proves that the clock is turned from the building's own hour, beyond midnight too, and into night; and that the hour of stored light is
+// known by its sun, to the minute that is looked for.
+Test(day, turns_the_clock) {
+    DayOptions o = day_default_options();
+    Daylight day;
+    Error error;
+    double noon = day_hour(&o, &HOME, &(Daylight){0});
+    cr_expect_float_eq(noon, 15.5, 1e-12);
+    DayOptions later = day_at_hour(&o, &HOME, noon + 1);
+    check(&later, &HOME, day_at(2026, 6, 21, 8.5, -30, 115, 270));
+    later = day_at_hour(&later, &HOME, 36);
+    check(&later, &HOME, day_at(2026, 6, 22, 4, -30, 115, 270));
+    later = day_at_hour(&later, &HOME, 22);
+    cr_expect(later.night && day_over(&later, &HOME, &day, &error) && !daylight_shines(&day));
+    later = day_at_hour(&later, &HOME, 9);
+    check(&later, &HOME, day_at(2026, 6, 21, 1, -30, 115, 270));
+    Daylight stored = day_at(2026, 6, 21, 4.25, -30, 115, 270);
+    cr_expect_float_eq(day_hour(&o, &HOME, &stored), 12.25, 1.0 / 60);
+    stored = daylight_uniform((const double[]){1, 2, 3});
+    cr_expect_float_eq(day_hour(&o, &HOME, &stored), 15.5, 1e-12, "an even sky has no hour");
+}

@@ -37,7 +37,7 @@ void session_check_begin(Driven *d, const char *building) {
     SessionOptions options = session_default_options();
     options.file = d->file;
     options.pictures = d->folder;
-    SessionLoader loader = {load, NULL};
+    SessionLoader loader = {load, NULL, NULL};
     d->session = session_new(&options, &loader, &d->arena, &error);
     cr_assert(d->session, "%s", error.text);
     session_advance(d->session, d->now);

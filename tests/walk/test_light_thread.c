@@ -307,7 +307,7 @@ static void check_first_step(LightThread *thread, float *doors, int door, int op
 Test(light_thread, light_follows_a_door, .timeout = 240) {
     Arena arena = {0};
     Lamps3 *l = lamps3_load(false);
-    LightBaker baker = light_baker(&l->scene, &l->arena);
+    LightBaker baker = light_baker(&l->scene, true, &l->arena);
     LightThread *thread = light_thread_start(&baker, NULL, NULL, &arena);
     int openings = l->scene.building.opening_count, door = 0;
     const Opening *opening = l->scene.building.openings;

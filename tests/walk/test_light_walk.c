@@ -20,7 +20,7 @@ typedef struct Walked {
     double now;
 } Walked;
 
-static const SessionLoader USUAL = {walk_loader_lit, NULL};
+static const SessionLoader USUAL = {walk_loader_lit, NULL, NULL};
 
 static void walk_in(Walked *w, const char *building, WalkLook look, const char *cache, SessionLoader loader) {
     Error error;
@@ -148,7 +148,7 @@ static bool load_deaf(void *context, const char *path, Arena *arena, WalkScene *
 // Proves that whoever leaves a walk waits for no bake: the bake is let go only after the walk has been left.
 Test(light_thread, leaving_waits_for_no_bake, .timeout = 60) {
     Walked w;
-    walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL, (SessionLoader){load_deaf, NULL});
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL, (SessionLoader){load_deaf, NULL, NULL});
     while (!atomic_load(&deaf.started)) frame(&w);
     deaf.outlived = w.session->shown;  // the bake's until the program ends
     session_free(w.session);
@@ -203,7 +203,7 @@ Test(light_thread, a_walk_is_left_in_a_bake, .timeout = 300) {
         Walked w;
         char *output;
         Counted *c = &counted[k];
-        walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL, (SessionLoader){load_counted, c});
+        walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL, (SessionLoader){load_counted, c, NULL});
         bool whole = k == LEFT - 1;
         while (session_light_arriving(w.session) && (whole || atomic_load(&c->asked) < SPACING * k))
             frame_in_time(&w);
@@ -285,4 +285,104 @@ Test(light_thread, no_lamps_no_light, .timeout = 60) {
     cr_expect_eq(w.session->look, WALK_FAST);
     cr_expect_str_eq(w.session->message, "");
     leave(&w);
+}
+
+// ---- the hour
+
+static void turn(Walked *w, int key, int hours) {
+    session_event(w->session, &(DisplayEvent){DISPLAY_KEY_PRESSED, DISPLAY_KEY_LEFT_SHIFT, 0, 0});
+    for (int i = 0; i < hours; i++) {
+        session_event(w->session, &(DisplayEvent){DISPLAY_KEY_PRESSED, key, 0, 0});
+        session_event(w->session, &(DisplayEvent){DISPLAY_KEY_RELEASED, key, 0, 0});
+    }
+    session_event(w->session, &(DisplayEvent){DISPLAY_KEY_RELEASED, DISPLAY_KEY_LEFT_SHIFT, 0, 0});
+}
+
+static void wait_for_hour(Walked *w) {
+    while (session_coming_done(w->session) >= 0) frame_in_time(w);
+    frame(w);
+}
+
+// The light that is shown is that of the usual date and place at an hour.
+static void check_sun(const Walked *w, double hour) {
+    const LitLight *light = walk_renderer_lit(w->session->shown->renderer);
+    SunPosition sun = sun_position(2026, 6, 21, hour, 50 * M_PI / 180, 0);
+    cr_assert(light);
+    cr_expect_lt(vec3_length(vec3_sub(light->day.sun, sun_direction(&sun, 0))), 1e-9);
+}
+
+// Proves that the hour turns: the light of another hour comes while the one before is shown, with doors, person and lamps as they are; an
+// hour that is turned back before its light has come changes nothing; by night there is no daylight; and the light that is kept for the
+// next walk stays that of the hour asked for.
+Test(light_thread, hour_is_turned, .timeout = 300) {
+    SceneOptions load = scene_default_options();
+    Walked w;
+    load.lamps = SCENE_LAMPS_ALL;
+    load.day.day = load.find_light = load.light_later = true;
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, NULL,
+            (SessionLoader){walk_scene_load, &load, walk_scene_turn});
+    Session *s = w.session;
+    walk_until_lit(&w);
+    check_sun(&w, 10);
+    const char *kept = light_place(&s->shown->scene.scene->building, &w.arena);
+    Bytes before = support_read(&w.arena, kept);
+    session_event(s, &(DisplayEvent){DISPLAY_KEY_PRESSED, 'O', 0, 0});
+    for (int i = 0; i < 240; i++) frame(&w);
+    s->shown->lit[0] = (Rgb){0.5f, 0.5f, 0.5f};
+    Vec3 eye = s->person.eye;
+    const Shown *shown = s->shown;
+    turn(&w, '.', 3);
+    turn(&w, ',', 1);
+    frame(&w);
+    cr_expect_eq(s->shown, shown, "light is shown until other light is there");
+    cr_expect_str_eq(s->hour, "12:00");
+    wait_for_hour(&w);
+    cr_expect_neq(s->shown, shown);
+    check_sun(&w, 12);
+    cr_expect_str_eq(s->message, "12:00");
+    cr_expect_eq(s->look, WALK_BAKED);
+    cr_expect_lt(vec3_length(vec3_sub(eye, s->person.eye)), 1e-6);
+    cr_expect_eq(s->shown->lit[0].r, 0.5f);
+    const Building *b = s->shown->scene.graph->building;
+    for (int i = 0; i < b->opening_count; i++)
+        cr_expect(b->openings[i].leaf_count == 0 || s->shown->doors.open[i] == 1, "door %d is open", i);
+    shown = s->shown;
+    turn(&w, '.', 1);
+    turn(&w, ',', 1);
+    cr_expect(session_coming_done(s) < 0 && s->shown == shown, "turned back");
+    turn(&w, '.', 13);
+    cr_expect_str_eq(s->hour, "01:00, night");
+    wait_for_hour(&w);
+    cr_expect_not(daylight_shines(&walk_renderer_lit(s->shown->renderer)->day));
+    Bytes after = support_read(&w.arena, kept);
+    cr_expect(before.size == after.size && memcmp(before.data, after.data, after.size) == 0);
+    turn(&w, ',', 15);
+    wait_for_hour(&w);
+    check_sun(&w, 10);
+    leave(&w);
+}
+
+// Proves that a walk whose hour cannot be turned says why: under an even sky, without a bake, and without a loader that could.
+Test(light_thread, hour_that_stays, .timeout = 120) {
+    static const struct {
+        double sky;
+        int lamps;
+        bool turns;
+        const char *said;
+    } CASES[] = {{3, SCENE_LAMPS_ALL, true, "an even sky (--sky) has none"},
+                 {0, SCENE_LAMPS_NONE, true, "this walk bakes no light (--no-bake)"},
+                 {0, SCENE_LAMPS_ALL, false, "no light is baked"}};
+    for (int i = 0; i < 3; i++) {
+        SceneOptions load = scene_default_options();
+        Walked w;
+        load.lamps = CASES[i].lamps;
+        load.day.sky[0] = CASES[i].sky;
+        walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, NULL,
+                (SessionLoader){walk_scene_load, &load, CASES[i].turns ? walk_scene_turn : NULL});
+        frame(&w);
+        turn(&w, '.', 1);
+        cr_expect(strstr(w.session->message, CASES[i].said), "case %d: %s", i, w.session->message);
+        cr_expect(session_coming_done(w.session) < 0);
+        leave(&w);
+    }
 }

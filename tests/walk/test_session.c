@@ -106,6 +106,8 @@ Test(session, any_key_at_any_time, .timeout = 240) {
                                'K',
                                '-',
                                '=',
+                               ',',
+                               '.',
                                DISPLAY_KEY_LEFT_SHIFT,
                                DISPLAY_KEY_PAGE_UP,
                                DISPLAY_KEY_PAGE_DOWN,

@@ -92,7 +92,7 @@ static void begin(Soak *s, const char *building, uint64_t seed) {
     SessionOptions options = session_default_options();
     options.file = s->file;
     options.pictures = folder;
-    SessionLoader loader = {walk_loader_lit, NULL};
+    SessionLoader loader = {walk_loader_lit, NULL, NULL};
     s->session = session_new(&options, &loader, &s->arena, &error);
     cr_assert(s->session, "%s", error.text);
 }

@@ -72,8 +72,10 @@ static double *light_besides(const Mesh *mesh, const RadSolution *rest, const Ra
     return out;
 }
 
-// Takes over the light of points that is known within elements of the coarser mesh. `by`: what sources give at its nodes, or NULL.
-static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3], const PointSources **by) {
+// Takes over the light of points that is known within elements of the coarser mesh. `by`: what sources give at its nodes, or NULL. Tells
+// `way` [corner_count], or NULL, where these points are (Direct.towards).
+static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3], const PointSources **by,
+                       float (*way)[2]) {
     const Mesh *mesh = d->mesh, *rough = coarser->mesh;
     d->known = ARENA_ARRAY(&d->arena, bool, mesh->corner_count + 1);
     d->settled = ARENA_ARRAY(&d->arena, bool, mesh->patch_count + 1);
@@ -86,12 +88,14 @@ static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3], c
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
             Vec3 at = mesh->vertices[mesh->corners[c]], towards;
             // One corner of a node in a plane counts.
+            if (way) way[c][0] = way[c][1] = NAN;
             if (!direct_corner_counts(d, e, c, &towards)) continue;
             for (int i = around->first_corner; i < around->first_corner + around->corner_count; i++) {
                 if (vec3_length(vec3_sub(at, rough->vertices[rough->corners[i]])) > DIRECT_SAME_PLACE)
                     continue;
                 memcpy(d->at_corner[c], at_node[coarser->nodes->of_corner[i]], sizeof *at_node);
                 if (by) d->corner_by[c] = by[coarser->nodes->of_corner[i]];
+                if (way) direct_way(coarser, in, i, at, way[c]);
                 d->known[c] = true;
                 break;
             }
@@ -101,6 +105,7 @@ static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3], c
             if (point) {
                 memcpy(d->at_corner[c], point->irradiance, sizeof point->irradiance);
                 if (by) d->corner_by[c] = coarser->within[in].by[point - coarser->within[in].points];
+                if (way) direct_way(coarser, in, -1, at, way[c]);
                 d->known[c] = true;
             }
             if (!d->known[c]) d->settled[element->patch] = false;
@@ -156,6 +161,8 @@ struct DirectSources {
     PartRows parts;
     const PointSources **node;    // [nodes.count]
     const PointSources **corner;  // [corners that show the light]
+    float (*way)
+        [2];  // the same, as Direct.towards; NULL: doors do not move, or the mesh is that of the elements
     const PointSources **middle;  // [elements that show the light]
     bool *middle_known;           // [elements that show the light]
     bool *lifts;                  // [elements that show the light] its nodes are lifted
@@ -252,6 +259,11 @@ static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, d
         const double *middle = within->middle;
         const PointSources *by = within->middle_by;
         double off[3] = {0, 0, 0};
+        // Where light does not bend it is known at the middle of the whole element alone.
+        if (!within->points && shown != d->mesh &&
+            vec3_length(vec3_sub(element_centroid(shown, e), element_centroid(d->mesh, in))) >
+                DIRECT_SAME_PLACE)
+            middle = NULL;
         if (within->points) {
             const BendPoint *at =
                 direct_find_point(within->points, within->count, element_centroid(shown, e));
@@ -362,7 +374,10 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
         direct_start(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &own);
         finer.lamps = d->lamps;
         tell_sources_apart(&finer, sources);
-        take_known(&finer, d, at_node, by);
+        if (sources && sources->state_count > 0)
+            sources->way =
+                arena_alloc(&sources->arena, (size_t)shown->corner_count + 1, sizeof *sources->way);
+        take_known(&finer, d, at_node, by, sources ? sources->way : NULL);
         good = direct_light(&finer, s->threads, s->progress, irradiance, report);
         if (good && sources) {
             by = arena_alloc(&sources->arena, (size_t)finer_nodes.count + 1, sizeof *by);
@@ -599,6 +614,8 @@ long long direct_sources_move(DirectSources *s, const MovedDoors *moved, const f
     tell_sources_apart(&d, s);
     direct_settle(&d, moved, &s->weather, s->threads);
     d.corner_by = s->corner;
+    d.towards = s->way;
+    d.rough = s->finer ? s->show.mesh : NULL;
     d.middle_by = s->middle;
     forget_touched(&d);
     d.middle_wanted = s->middle_known;

@@ -14,6 +14,7 @@
 #include "radiosity/factors/lamp_spread.h"
 #include "radiosity/factors/view.h"
 #include "radiosity/shoot/sunlight.h"
+#include "radiosity/show/shown.h"
 
 // A node lies on edges, where other faces touch: light is found this share of the way to the middle of the node's elements, and metres
 // at most. That is above the rounding of coordinates and below a visible distance.
@@ -497,17 +498,53 @@ static bool in_one_plane(const Direct *d, int node) {
     return true;
 }
 
-bool direct_corner_counts(const Direct *d, int element, int corner, Vec3 *towards) {
+static bool is_shared(const Direct *d, int node) {
+    return d->nodes->first[node + 1] - d->nodes->first[node] > 1 && in_one_plane(d, node);
+}
+
+// The middle of the elements that meet at a node.
+static Vec3 middle_of(const Direct *d, int node) {
     const Nodes *nodes = d->nodes;
-    int node = nodes->of_corner[corner], first = nodes->first[node], count = nodes->first[node + 1] - first;
-    *towards = element_centroid(d->mesh, element);
-    if (count == 1 || !in_one_plane(d, node)) return true;
-    if (nodes->element[first] != element) return false;
+    int first = nodes->first[node], end = nodes->first[node + 1];
     Vec3 middle = {0, 0, 0};
-    for (int i = first; i < first + count; i++)
-        middle = vec3_add(middle, vec3_scale(element_centroid(d->mesh, nodes->element[i]), 1.0 / count));
-    *towards = middle;
+    for (int i = first; i < end; i++)
+        middle =
+            vec3_add(middle, vec3_scale(element_centroid(d->mesh, nodes->element[i]), 1.0 / (end - first)));
+    return middle;
+}
+
+bool direct_corner_counts(const Direct *d, int element, int corner, Vec3 *towards) {
+    int node = d->nodes->of_corner[corner];
+    *towards = element_centroid(d->mesh, element);
+    if (!is_shared(d, node)) return true;
+    if (d->nodes->element[d->nodes->first[node]] != element) return false;
+    *towards = middle_of(d, node);
     return true;
+}
+
+// Unit vectors along gx and gy of the face of an element.
+static void axes_of(const Mesh *mesh, int element, Vec3 axis[2]) {
+    const Face *face = &mesh->faces[mesh->elements[element].face];
+    axis[0] = vec3_normalize(face->gx);
+    axis[1] = vec3_normalize(face->gy);
+}
+
+void direct_way(const Direct *d, int element, int corner, Vec3 from, float out[2]) {
+    int node = corner < 0 ? -1 : d->nodes->of_corner[corner];
+    bool shared = node >= 0 && is_shared(d, node);
+    Vec3 axis[2], way = vec3_sub(shared ? middle_of(d, node) : element_centroid(d->mesh, element), from);
+    axes_of(d->mesh, element, axis);
+    for (int i = 0; i < 2; i++) out[i] = (float)vec3_dot(axis[i], way);
+}
+
+// As `towards` has it, where that knows the corner.
+static Vec3 known_towards(const Direct *d, int element, int corner, Vec3 usual) {
+    const float *way = d->towards ? d->towards[corner] : NULL;
+    if (!way || isnan(way[0])) return usual;
+    Vec3 axis[2];
+    axes_of(d->mesh, element, axis);
+    return vec3_add(d->mesh->vertices[d->mesh->corners[corner]],
+                    vec3_add(vec3_scale(axis[0], (double)way[0]), vec3_scale(axis[1], (double)way[1])));
 }
 
 // ---- what each source gives
@@ -713,7 +750,7 @@ static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e,
         Vec3 towards;
         if (!direct_corner_counts(d, e, c, &towards)) continue;
         if (!d->known || !d->known[c]) {
-            light_corner(d, w, frame, c, towards, first, sun, d->at_corner[c]);
+            light_corner(d, w, frame, c, known_towards(d, e, c, towards), first, sun, d->at_corner[c]);
             if (d->source_of) d->corner_by[c] = keep_sources(w, d->corner_by[c]);
         }
         w->of_node[d->nodes->of_corner[c]] = (NodeLight){group + 1, c};
@@ -723,8 +760,9 @@ static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e,
 // The sources of light at the centroid of an element.
 static void light_middle(const Direct *d, Worker *w, const Frame *frame, int e, int first, int sun) {
     double light[3] = {0, 0, 0};
-    Vec3 at = to_frame(frame, element_centroid(d->mesh, e));
-    at.z = 0;
+    const Mesh *rough = d->rough ? d->rough : d->mesh;
+    Vec3 middle = element_centroid(rough, d->rough ? shown_around(rough, d->mesh, e) : e),
+         at = off_the_edge(to_frame(frame, element_centroid(d->mesh, e)), to_frame(frame, middle));
     light_point(d, w, first, w->before_count, at, INT_MAX / 2, light);
     if (sun != SUN_DARK) add_sun(d, w, from_frame(frame, at), light);
     d->middle_by[e] = keep_sources(w, d->middle_by[e]);

@@ -59,7 +59,10 @@ typedef struct Direct {
     struct DirectWorker *workers;  // [threads]
     double (*at_corner)[3];        // [corner_count]
     bool *known;                   // [corner_count] its light is in `at_corner`; NULL: none is
-    bool *settled;                 // [patch_count] all light of its corners is known
+    // [corner_count] the way from a corner to the place towards which its point is moved, along gx and gy of its face, metres; NAN: as the
+    // mesh has it (direct_corner_counts). NULL: all are.
+    float (*towards)[2];
+    bool *settled;  // [patch_count] all light of its corners is known
     // [patch_count * touched_words] a bit for each source whose light is to be found anew in a patch, while `corner_by` and `middle_by`
     // hold that of the others; NULL: all light is.
     uint64_t *touched;
@@ -78,6 +81,7 @@ typedef struct Direct {
     // [element_count] the sources of the light at an element's centroid, found where `middle_wanted`; NULL: nowhere
     const PointSources **middle_by;
     const bool *middle_wanted;
+    const Mesh *rough;  // the mesh within whose elements such centroids were found first; NULL: this one
 } Direct;
 
 // `day`: NULL: night.
@@ -98,6 +102,9 @@ void direct_settle(Direct *d, const MovedDoors *moved, const Daylight *day, int 
 
 // The place towards which the point of a corner is moved. False: another corner of the node has its light, which lies in one plane.
 bool direct_corner_counts(const Direct *d, int element, int corner, Vec3 *towards);
+// The way from a place in an element to where its point is moved towards, as Direct.towards has it: the place of a corner, or of no corner
+// (-1), then it is the element's middle.
+void direct_way(const Direct *d, int element, int corner, Vec3 from, float out[2]);
 // Where no lamp is before a patch any more nothing is found anew: takes away what is to be found anew in a patch.
 void direct_forget(const Direct *d, int patch, const PointSources **by);
 

@@ -24,7 +24,7 @@ static const char PLAN[] =
     "model box\n  box -0.1,-0.1,0.8 0.1,0.1,1 warm\nend\nplace box 3,2\n"
     "inlay warm ceiling 1,6 2,6 2,7 1,7\n";
 
-Lamps3 *lamps3_load(bool day) {
+Lamps3 *lamps3_load_plan(const char *plan, bool day) {
     Lamps3 *l = calloc(1, sizeof *l);
     cr_assert(l);
     const char *path = arena_format(&l->arena, "%s/lamps.plan", support_folder(&l->arena));
@@ -32,7 +32,7 @@ Lamps3 *lamps3_load(bool day) {
     Error error = {""};
     SceneOptions options = scene_default_options();
     cr_assert(file);
-    fputs(PLAN, file);
+    fputs(plan, file);
     cr_assert_eq(fclose(file), 0);
     options.lamps = SCENE_LAMPS_ALL;
     options.keep = false;
@@ -40,6 +40,8 @@ Lamps3 *lamps3_load(bool day) {
     cr_assert(scene_load(path, &options, &l->arena, &l->scene, &error), "%s", error.text);
     return l;
 }
+
+Lamps3 *lamps3_load(bool day) { return lamps3_load_plan(PLAN, day); }
 
 static void copy(Arena *arena, double (**v)[3], int count) {
     double(*to)[3] = arena_alloc(arena, (size_t)count + 1, sizeof *to);

@@ -21,6 +21,8 @@ typedef struct Lamps3 {
 
 // `day`: in daylight, through a window of the first room.
 Lamps3 *lamps3_load(bool day);
+// Another plan in its place, as text.
+Lamps3 *lamps3_load_plan(const char *plan, bool day);
 // Shoots to a residual, and finds the light of each lamp.
 void lamps3_bake(Lamps3 *l, double residual, int threads);
 // Shoots to a residual, so that light can follow the doors: l->relight.

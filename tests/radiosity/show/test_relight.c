@@ -180,7 +180,7 @@ static const char DOORS[] =
     "inlay warm ceiling 8,1 8.5,1 8.5,1.5 8,1.5\n"
     "inlay glow ceiling 0.3,3.3 0.6,3.3 0.6,3.6 0.3,3.6\n";
 
-// What a state must have, whatever it is: all power is somewhere, and no light is less than nothing or no number.
+// A state of any doors and lamps is sound: all power is somewhere, and no light is less than nothing or no number.
 static void check_state(const Lamps3 *l, const RadSolution *s, int step) {
     double power[3] = {rgb_sum(s->emitted), rgb_sum(s->absorbed) + rgb_sum(s->escaped), 0}, least = 0;
     bool finite = true;
@@ -195,7 +195,7 @@ static void check_state(const Lamps3 *l, const RadSolution *s, int step) {
     for (int n = 0; n < s->node_count; n++)
         for (int c = 0; c < 3; c++) finite = finite && isfinite(s->node[n][c]) && s->node[n][c] >= 0;
     cr_expect(finite, "step %d", step);
-    // What is left to shoot of either sign: a millionth of all power.
+    // So much is left to shoot, of either sign: a millionth of all power.
     cr_expect_geq(least, -1e-6 * power[0], "step %d: an element sends %g W", step, least);
 }
 

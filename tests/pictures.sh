@@ -37,6 +37,19 @@ for lamps in on off,table-lamp=on off,hall=on 'off,floor-lamp=60%#ff7030,globe-l
     --size 800x450 --offscreen build/pictures/lamps-$((shot += 1)) --tour living
 done
 montage build/pictures/lamps-[1-4]/frame-00000.png -tile 2x2 -geometry 480x270+2+2 -depth 8 -colors 96 tests/pictures/lamps.png
+# A door opens into a room whose lamp is off, and closes again: each frame is the light of its state.
+frame=0
+rm -f build/pictures/door-*.png
+for open in 0 0 3 6 10 15 21 28 36 45 55 66 78 90 100 100 100 90 78 66 55 45 36 28 21 15 10 6 3 0; do
+    light=build/pictures/door-$open.rad
+    [ -e "$light" ] || "$build/enfilade" bake build/maps/two-rooms.plan --night --doors between=$open% --lamps study=off -o "$light"
+    "$build/enfilade" render build/maps/two-rooms.plan --light "$light" --lamps study=off --eye 1.6,0.4,1.6 --look 4.2,1.6,0.9 \
+    --fov 80 --size 720x406 --exposure 0.7 -o "$(printf build/pictures/door-%05d.png $frame)"
+    : $((frame += 1))
+done
+ffmpeg -loglevel error -y -framerate 10 -i build/pictures/door-%05d.png -vf "scale=360:-1:flags=lanczos,split[a][b];\
+[a]palettegen=max_colors=96:stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=5:diff_mode=rectangle" \
+    tests/pictures/door.gif
 for view in living bedroom kitchen; do
     "$build/enfilade" walk build/maps/house.plan --light build/pictures/house.rad \
     --size 800x450 --offscreen build/pictures/baked-$view --tour $view

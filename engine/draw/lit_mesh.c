@@ -209,6 +209,11 @@ LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
             if (leaf) fill_leaf(lit, p);
         }
     }
+    Nodes nodes = nodes_of(mesh, &kept);
+    lit->node = ARENA_ARRAY(arena, int, lit_vertex_count(lit) + 1);
+    lit->node_count = nodes.count;
+    for (int v = 0; v < lit_vertex_count(lit); v++)
+        lit->node[v] = lit->source[v] < 0 ? -1 : nodes.of_corner[lit->source[v]];
     arena_free(&kept);
     arena_free(&scratch);
     return lit;
@@ -261,7 +266,7 @@ static LightRange range_of(const LitMesh *lit, const RadSolution *solution, Fals
         const Material *m = mesh_material(mesh, mesh->elements[e].face);
         double value = material_emits(m) ? 0 : false_colour_value(quantity, solution->radiosity[e], m);
         if (!(value > 0)) continue;
-        areas[(int)fmin(fmax(BINS / 2 + BINS_AN_OCTAVE * log2(value), 0), BINS - 1)] +=
+        areas[(int)fmin(fmax(BINS / 2 + BINS_AN_OCTAVE * (double)log2f((float)value), 0), BINS - 1)] +=
             mesh->elements[e].area;
         all += mesh->elements[e].area;
     }
@@ -270,25 +275,48 @@ static LightRange range_of(const LitMesh *lit, const RadSolution *solution, Fals
     return light_range(all > 0 ? exp2((bin - BINS / 2) / (double)BINS_AN_OCTAVE) : 1);
 }
 
+// The light at each vertex: of a leaf, which is drawn whole, that of its face.
+static void fill_vertices(const LitMesh *lit, const RadSolution *solution, const RadSolution *even,
+                          LitLight *out) {
+    double(*node)[3] = solution->node;
+    Arena scratch = {0};
+    if (node) {
+        CORE_ASSERT(solution->node_count == lit->node_count);
+    } else {
+        Nodes nodes = nodes_of(lit->mesh, &scratch);
+        node = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *node);
+        reconstruct_nodes(lit->mesh, &nodes, solution, node);
+    }
+    int last = -1;
+    double of_face[3];
+    for (int v = 0; v < lit_vertex_count(lit); v++) {
+        const double *from = of_face;
+        if (lit->node[v] >= 0) {
+            from = node[lit->node[v]];
+        } else if (-1 - lit->source[v] != last) {
+            last = -1 - lit->source[v];
+            reconstruct_face(lit->mesh, last, even, of_face);
+        }
+        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
+    }
+    arena_free(&scratch);
+}
+
 void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float *doors, LitLight *out) {
     Arena scratch = {0};
     if (doors)
         memcpy(out->doors, doors, (size_t)lit->mesh->graph->building->opening_count * sizeof *doors);
     else
         find_doors(lit->mesh, out->doors);
-    VertexLight light = reconstruct_light(lit->mesh, solution, &scratch);
-    for (int v = 0; v < lit_vertex_count(lit); v++) {
-        int at = lit->source[v];
-        const double *from = at < 0 ? light.face[-1 - at] : light.corner[at];
-        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
-    }
     for (int i = 0; i < lit->lamp_count; i++)
         out->on[i] = mesh_emits(lit->mesh, lit->mesh->face_of[lit->lamp[i]]);
     // False colours are of the light at vertices.
     RadSolution even = reconstruct_even(lit->mesh, solution, &scratch);
+    fill_vertices(lit, solution, &even, out);
     out->day = solution->day;
     fill_luminous(lit, solution, out);
     for (int q = FALSE_COLOUR_RADIOSITY; q < FALSE_COLOURS; q++)
         out->ranges[q] = range_of(lit, &even, (FalseColour)q);
+
     arena_free(&scratch);
 }

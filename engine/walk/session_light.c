@@ -6,8 +6,9 @@
 #include "engine/scene/lamp_state.h"
 #include "engine/walk/session_state.h"
 
-// A frame copies so many bytes of the arriving light: a tenth of a millisecond.
-static const size_t SLICE = 512 << 10;
+// A frame copies so many bytes of the arriving light: a tenth of a millisecond. Once all light is there, what follows lamps and doors is
+// waited for, and comes in a frame or two.
+static const size_t SLICE = 512 << 10, SLICE_AWAITED = 4 << 20;
 static const double STOP = 0.5;
 
 // ---- arrival
@@ -70,7 +71,7 @@ void session_receive_light(Session *s) {
     Shown *shown = s->shown;
     if (!shown->baking) return;
     bool dark = !walk_renderer_lit(shown->renderer);
-    shown_receive_light(shown, SLICE);
+    shown_receive_light(shown, light_thread_end(shown->baking) == LIGHT_READY ? SLICE_AWAITED : SLICE);
     if (dark && walk_renderer_lit(shown->renderer) && !s->look_chosen) s->look = WALK_BAKED;
     tell_end(s);
     follow_doors(s);

@@ -289,9 +289,10 @@ void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *
     arena_free(&fit.scratch);
 }
 
-static void fill_face(const Mesh *mesh, int f, const RadSolution *solution, double out[3]) {
+void reconstruct_face(const Mesh *mesh, int f, const RadSolution *solution, double out[3]) {
     const Face *face = &mesh->faces[f];
     double area = 0;
+    out[0] = out[1] = out[2] = 0;
     for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
         for (int c = 0; c < 3; c++) out[c] += mesh->elements[e].area * solution->radiosity[e][c];
         area += mesh->elements[e].area;
@@ -313,7 +314,7 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
     for (int i = 0; i < mesh->corner_count; i++)
         memcpy(out.corner[i], value[nodes.of_corner[i]], sizeof *value);
     RadSolution even = reconstruct_even(mesh, solution, &scratch);
-    for (int f = 0; f < mesh->face_count; f++) fill_face(mesh, f, &even, out.face[f]);
+    for (int f = 0; f < mesh->face_count; f++) reconstruct_face(mesh, f, &even, out.face[f]);
     arena_free(&scratch);
     return out;
 }

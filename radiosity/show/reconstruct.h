@@ -24,6 +24,9 @@ RadSolution reconstruct_even(const Mesh *mesh, const RadSolution *solution, Aren
 // are used.
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
+// The mean of a solution's light over a face.
+void reconstruct_face(const Mesh *mesh, int face, const RadSolution *solution, double out[3]);
+
 // The even radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
 

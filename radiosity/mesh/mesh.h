@@ -145,6 +145,8 @@ typedef struct MovedDoors {
 } MovedDoors;
 // Does a leaf, in Building.leaves (-1: none), belong to one of these doors?
 bool mesh_leaf_moves(const MovedDoors *moved, const Building *building, int leaf);
+// Reaches the door, before or after, above the horizon of a point on a surface of this normal?
+bool mesh_door_rises(const MovedDoor *door, Vec3 point, Vec3 normal);
 // Poses a mesh whose doors stand as `from` says. Other meshes of the same building are posed by themselves.
 MovedDoors mesh_move(Mesh *mesh, const float *from, const float *to, Arena *arena);
 

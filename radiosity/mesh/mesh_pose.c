@@ -165,6 +165,17 @@ MovedDoors mesh_move(Mesh *mesh, const float *from, const float *to, Arena *aren
     return out;
 }
 
+static bool box_rises(Box box, Vec3 point, Vec3 n) {
+    if (box_is_empty(box)) return false;
+    Vec3 highest = {n.x > 0 ? box.max.x : box.min.x, n.y > 0 ? box.max.y : box.min.y,
+                    n.z > 0 ? box.max.z : box.min.z};
+    return vec3_dot(n, vec3_sub(highest, point)) > 0;
+}
+
+bool mesh_door_rises(const MovedDoor *door, Vec3 point, Vec3 normal) {
+    return box_rises(door->box[0], point, normal) || box_rises(door->box[1], point, normal);
+}
+
 bool mesh_leaf_moves(const MovedDoors *moved, const Building *building, int leaf) {
     for (int i = 0; i < moved->count && leaf >= 0; i++)
         if (moved->doors[i].opening == building->leaves[leaf].opening) return true;

@@ -447,15 +447,6 @@ void shoot_rows_refine(ShootRows *rows, int patch) {
 
 // ---- doors
 
-// Reaches the box above the horizon of a patch?
-static bool is_before(const Mesh *mesh, const Patch *patch, Box box) {
-    Vec3 n = mesh->faces[patch->face].plane.n, c = patch->centre;
-    if (box_is_empty(box)) return false;
-    double x = n.x > 0 ? box.max.x : box.min.x, y = n.y > 0 ? box.max.y : box.min.y,
-           z = n.z > 0 ? box.max.z : box.min.z;
-    return n.x * (x - c.x) + n.y * (y - c.y) + n.z * (z - c.z) > 0;
-}
-
 // That of a patch on the door's leaf does.
 bool shoot_rows_depend(const ShootRows *rows, int index, const MovedDoors *moved) {
     const Mesh *mesh = rows->mesh;
@@ -466,7 +457,7 @@ bool shoot_rows_depend(const ShootRows *rows, int index, const MovedDoors *moved
     for (int i = 0; i < moved->count; i++) {
         const MovedDoor *door = &moved->doors[i];
         if (view_has_door(doors, door->opening) &&
-            (is_before(mesh, patch, door->box[0]) || is_before(mesh, patch, door->box[1])))
+            mesh_door_rises(door, patch->centre, mesh->faces[patch->face].plane.n))
             return true;
     }
     return false;

@@ -606,8 +606,8 @@ long long direct_sources_move(DirectSources *s, const MovedDoors *moved, const f
     Arena scratch = {0};
     Direct d;
     RadReport report = {0};
-    part_rows_move(&s->parts, s->shown->graph->building, moved);
     if (s->finer) mesh_pose(s->finer, to);
+    part_rows_move(&s->parts, s->shown, moved);
     nodes_pose(&s->nodes, s->shown);
     direct_start(&d, s->shown, s->show.forest, &s->nodes, &s->weather, &scratch);
     d.lamps = s->show.lamps;

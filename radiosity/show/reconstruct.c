@@ -413,18 +413,87 @@ void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 p
 
 // ---- values at the centres of patches or elements
 
+// The share of a unit's value in that of a node.
+typedef struct FitFactor {
+    int unit;
+    double factor;
+} FitFactor;
+
+// The factors at a node.
+typedef struct NodeFit {
+    int count, capacity;
+    FitFactor *of;
+    bool there;
+} NodeFit;
+
+// Where the value of a unit is held against the light between nodes.
+typedef struct UnitPlace {
+    int node[3];
+    double share[3];
+    bool there;
+} UnitPlace;
+
+// A unit has come to light, or is covered now: what nodes had of it, and of its neighbours, is found anew.
+static void forget_around(const Fit *fit, int unit, NodeFit *node) {
+    const Mesh *mesh = fit->mesh;
+    const Nodes *nodes = fit->nodes;
+    int first = fit->of_patches ? mesh->patches[unit].first_element : unit,
+        end = first + (fit->of_patches ? mesh->patches[unit].element_count : 1);
+    for (int c = mesh->elements[first].first_corner;
+         c < mesh->elements[end - 1].first_corner + mesh->elements[end - 1].corner_count; c++) {
+        int at = nodes->of_corner[c];
+        for (int i = nodes->first[at]; i < nodes->first[at + 1]; i++) {
+            const Patch *patch = &mesh->patches[mesh->elements[nodes->element[i]].patch];
+            int from = fit->of_patches ? patch->first_element : nodes->element[i],
+                to = fit->of_patches ? from + patch->element_count - 1 : from;
+            for (int k = mesh->elements[from].first_corner;
+                 k < mesh->elements[to].first_corner + mesh->elements[to].corner_count; k++)
+                node[nodes->of_corner[k]].there = false;
+        }
+    }
+}
+
+// Forgets what is no longer right of what the call before has kept.
+static void use_kept(Fit *fit, int units, ValueFits *kept) {
+    if (!kept->node) {
+        kept->node = ARENA_ARRAY(kept->arena, NodeFit, fit->nodes->count + 1);
+        kept->unit = ARENA_ARRAY(kept->arena, UnitPlace, units + 1);
+        kept->covered = ARENA_ARRAY(kept->arena, bool, units + 1);
+    } else {
+        for (int u = 0; u < units; u++)
+            if (fit->covered[u] != kept->covered[u]) forget_around(fit, u, kept->node);
+    }
+    memcpy(kept->covered, fit->covered, (size_t)units * sizeof *kept->covered);
+}
+
+// The factors at a node, into `out`, whose memory is the arena's.
+static void take_factors(Fit *fit, int node, Arena *arena, NodeFit *out) {
+    if (out->there) return;
+    find_factors(fit, node);
+    if (fit->count > out->capacity) {
+        out->of = ARENA_ARRAY(arena, FitFactor, fit->count);
+        out->capacity = fit->count;
+    }
+    out->count = fit->count;
+    out->there = true;
+    for (int i = 0; i < fit->count; i++) out->of[i] = (FitFactor){fit->around[i].unit, fit->around[i].factor};
+}
+
 // The fits of all nodes to the values, between LEAST_OUTSIDE and MOST_OUTSIDE of those around.
-static void fit_values(Fit *fit, double (*value)[3], double (*out)[3]) {
+static void fit_values(Fit *fit, double (*value)[3], ValueFits *kept, double (*out)[3]) {
+    NodeFit own = {0};
     for (int n = 0; n < fit->nodes->count; n++) {
         double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {0};
         if (fit->wanted && !fit->wanted[n]) continue;
-        find_factors(fit, n);
+        NodeFit *at = kept ? &kept->node[n] : &own;
+        own.there = false;
+        take_factors(fit, n, kept ? kept->arena : &fit->scratch, at);
         for (int c = 0; c < 3; c++) out[n][c] = 0;
-        if (fit->count == 0) continue;
-        for (int i = 0; i < fit->count; i++) {
-            const double *from = value[fit->around[i].unit];
+        if (at->count == 0) continue;
+        for (int i = 0; i < at->count; i++) {
+            const double *from = value[at->of[i].unit];
             for (int c = 0; c < 3; c++) {
-                out[n][c] += fit->around[i].factor * from[c];
+                out[n][c] += at->of[i].factor * from[c];
                 low[c] = fmin(low[c], from[c]);
                 high[c] = fmax(high[c], from[c]);
             }
@@ -434,22 +503,26 @@ static void fit_values(Fit *fit, double (*value)[3], double (*out)[3]) {
     }
 }
 
-// How far a value is above the linear light between the nodes.
-static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
-                          double out[3]) {
+static void find_place(const Fit *fit, int unit, Arena *scratch, UnitPlace *out) {
     const Mesh *mesh = fit->mesh;
     int face = fit->of_patches ? mesh->patches[unit].face : mesh->elements[unit].face;
     int in = fit->of_patches ? mesh_element_at(mesh, face, fit->centroid[unit]) : unit, best[3] = {0, 1, 2};
     const Element *e = &mesh->elements[in];
-    double share[3] = {1, 0, 0};
     Vec3 *v = ARENA_ARRAY(scratch, Vec3, e->corner_count);
     int *triangle = ARENA_ARRAY(scratch, int, 3 * e->corner_count);
+    *out = (UnitPlace){.share = {1, 0, 0}, .there = true};
     triangulate(mesh, e, v, triangle);
-    find_shares(mesh, e, triangle, fit->centroid[unit], best, share);
+    find_shares(mesh, e, triangle, fit->centroid[unit], best, out->share);
+    for (int k = 0; k < 3; k++) out->node[k] = fit->nodes->of_corner[e->first_corner + best[k]];
+}
+
+// How far a value is above the linear light between the nodes.
+static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
+                          UnitPlace *place, double out[3]) {
+    if (!place->there) find_place(fit, unit, scratch, place);
     for (int c = 0; c < 3; c++) {
         double shown = 0;
-        for (int k = 0; k < 3; k++)
-            shown += share[k] * node[fit->nodes->of_corner[e->first_corner + best[k]]][c];
+        for (int k = 0; k < 3; k++) shown += place->share[k] * node[place->node[k]][c];
         out[c] = value[c] - shown;
     }
 }
@@ -463,7 +536,7 @@ static bool all_wanted(const Fit *fit, int element) {
 }
 
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
-                        const bool *wanted, double (*out)[3], double (*rest)[3]) {
+                        const bool *wanted, double (*out)[3], double (*rest)[3], ValueFits *kept) {
     Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches, .wanted = wanted};
     Arena scratch = {0};
     int units = of_patches ? mesh->patch_count : mesh->element_count;
@@ -476,11 +549,13 @@ void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, d
     int *count = ARENA_ARRAY(&fit.scratch, int, nodes->count + 1);
     for (int u = 0; u < units; u++)
         fit.centroid[u] = of_patches ? mesh->patches[u].centre : element_centroid(mesh, u);
-    fit_values(&fit, value, out);
+    if (kept) use_kept(&fit, units, kept);
+    fit_values(&fit, value, kept, out);
     for (int u = 0; u < units; u++) {
+        UnitPlace own = {.there = false};
         arena_reset(&scratch);
         if (wanted && !all_wanted(&fit, u)) continue;
-        rest_of_value(&fit, out, u, value[u], &scratch, rest[u]);
+        rest_of_value(&fit, out, u, value[u], &scratch, kept ? &kept->unit[u] : &own, rest[u]);
     }
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];

@@ -32,9 +32,16 @@ void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *
 
 // The same from values at the centres of patches, or at the centroids of elements. Linear light between the nodes passes through the values
 // where they bend by less than a fifth. How far a plane through the values around each was below it goes into `rest`, if not NULL.
-// `wanted` [nodes->count]: the nodes to be found; NULL: all.
+// `wanted` [nodes->count]: the nodes to be found; NULL: all. `kept`, or NULL: so that the next call, of the same mesh, nodes and wanted
+// ones, takes less time and has the same result. Leaves of doors may have moved meanwhile.
+typedef struct ValueFits {
+    Arena *arena;  // the caller's, where all that is kept lives; the rest starts with zeros
+    struct NodeFit *node;
+    struct UnitPlace *unit;
+    bool *covered;
+} ValueFits;
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
-                        const bool *wanted, double (*out)[3], double (*rest)[3]);
+                        const bool *wanted, double (*out)[3], double (*rest)[3], ValueFits *kept);
 
 // The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);

@@ -137,7 +137,7 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
     find_shown_light(&s, &scratch);
     double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
     s.rest = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.rest);
-    reconstruct_values(mesh, nodes, false, s.value, NULL, node, s.rest);
+    reconstruct_values(mesh, nodes, false, s.value, NULL, node, s.rest, NULL);
     for (int n = 0; n < nodes->count; n++)
         for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
             for (int k = i + 1; k < nodes->first[n + 1]; k++)
@@ -201,12 +201,6 @@ static void part_rows_start(PartRows *rows, int count) {
     rows->kept = ARENA_ARRAY(&rows->arena, Arena, rows->thread_count);
 }
 
-static bool part_moves(const PartRows *rows, const Building *b, int i, const MovedDoors *moved) {
-    for (int k = 0; k < moved->count; k++)
-        if (view_has_door(rows->row[i].doors, moved->doors[k].opening)) return true;
-    return mesh_leaf_moves(moved, b, rows->leaf[i]);
-}
-
 // Copies the rows that are there to memory of their own once as much again was used as at the last time.
 static void close_gaps(PartRows *rows, int words) {
     size_t used = 0;
@@ -228,17 +222,6 @@ static void close_gaps(PartRows *rows, int words) {
     for (int t = 0; t < rows->thread_count; t++) arena_free(&rows->kept[t]);
     rows->kept[0] = kept;
     rows->used = kept.used;
-}
-
-int part_rows_move(PartRows *rows, const Building *building, const MovedDoors *moved) {
-    int dropped = 0;
-    for (int i = 0; i < rows->count; i++) {
-        if (!rows->there[i] || !part_moves(rows, building, i, moved)) continue;
-        rows->there[i] = false;
-        dropped++;
-    }
-    if (rows->count > 0) close_gaps(rows, (building->opening_count + 63) / 64);
-    return dropped;
 }
 
 static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count,
@@ -271,7 +254,30 @@ typedef struct ReflectedPlaces {
     int *part;      // [count] elements that gather light by themselves
     int count;
     bool *anew;  // [nodes of the finer mesh] of parts
+    bool keeps;  // what fits of values need is kept in these
+    ValueFits elements, patches, parts;
 } ReflectedPlaces;
+
+static bool part_moves(const PartRows *rows, const Mesh *shown, int i, const MovedDoors *moved) {
+    int part = rows->places->part[i];
+    Vec3 middle = element_centroid(shown, part), n = shown->faces[shown->elements[part].face].plane.n;
+    for (int k = 0; k < moved->count; k++)
+        if (view_has_door(rows->row[i].doors, moved->doors[k].opening) &&
+            mesh_door_rises(&moved->doors[k], middle, n))
+            return true;
+    return mesh_leaf_moves(moved, shown->graph->building, rows->leaf[i]);
+}
+
+int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved) {
+    int dropped = 0;
+    for (int i = 0; i < rows->count; i++) {
+        if (!rows->there[i] || !part_moves(rows, shown, i, moved)) continue;
+        rows->there[i] = false;
+        dropped++;
+    }
+    if (rows->count > 0) close_gaps(rows, (shown->graph->building->opening_count + 63) / 64);
+    return dropped;
+}
 
 static ReflectedPlaces *places_of(const Mesh *mesh, const MeshDepth *halved, const Mesh *shown,
                                   const Nodes *nodes, Arena *arena) {
@@ -340,10 +346,10 @@ static RadSolution weak_light(const Mesh *mesh, const RadSolution *solution, Are
 
 // Values at the nodes of the mesh that light was found on, at its corners.
 static double (*at_corners(const Mesh *mesh, const Nodes *own, bool of_patches, double (*value)[3],
-                           Arena *arena))[3] {
+                           ValueFits *kept, Arena *arena))[3] {
     double(*node)[3] = arena_alloc(arena, (size_t)own->count + 1, sizeof *node),
     (*out)[3] = arena_alloc(arena, (size_t)mesh->corner_count + 1, sizeof *out);
-    reconstruct_values(mesh, own, of_patches, value, NULL, node, NULL);
+    reconstruct_values(mesh, own, of_patches, value, NULL, node, NULL, kept);
     for (int i = 0; i < mesh->corner_count; i++) memcpy(out[i], node[own->of_corner[i]], sizeof *node);
     return out;
 }
@@ -356,20 +362,26 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     RadSolution even = reconstruct_even(mesh, scene->solution, &scratch);
     find_values(mesh, &even, coarse);
     if (shown == mesh) {
-        reconstruct_values(mesh, nodes, false, coarse, NULL, out, NULL);
+        reconstruct_values(mesh, nodes, false, coarse, NULL, out, NULL, NULL);
         arena_free(&scratch);
         return true;
     }
     ReflectedPlaces *places = kept && kept->places
                                   ? kept->places
                                   : places_of(mesh, halved, shown, nodes, kept ? &kept->arena : &scratch);
+    if (kept && !kept->places) {
+        places->elements.arena = places->patches.arena = places->parts.arena = &kept->arena;
+        places->keeps = true;
+    }
     if (kept) kept->places = places;
     nodes_pose(&places->own, mesh);
     double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);
     Between between = {mesh, shown, nodes, places, {.triangle = places->triangle}, value, out},
             by_strong = between;
-    between.light.corner = at_corners(mesh, &places->own, false, coarse, &scratch);
-    by_strong.light.corner = at_corners(mesh, &places->own, true, scene->solution->sent, &scratch);
+    between.light.corner =
+        at_corners(mesh, &places->own, false, coarse, places->keeps ? &places->elements : NULL, &scratch);
+    by_strong.light.corner = at_corners(mesh, &places->own, true, scene->solution->sent,
+                                        places->keeps ? &places->patches : NULL, &scratch);
     int workers = parallel_threads(threads);
     parallel_for(workers, times(shown->element_count), light_middles, &between);
     RadSolution weak = weak_light(mesh, scene->solution, &scratch);
@@ -383,7 +395,9 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
         reconstruct_in(mesh, &by_strong.light, places->in[part], element_centroid(shown, part), more);
         for (int c = 0; c < 3; c++) value[part][c] += more[c];
     }
-    if (go_on) reconstruct_values(shown, nodes, false, value, places->anew, out, NULL);
+    if (go_on)
+        reconstruct_values(shown, nodes, false, value, places->anew, out, NULL,
+                           places->keeps ? &places->parts : NULL);
     parallel_for(workers, times(nodes->count), light_nodes, &between);
     arena_free(&scratch);
     return go_on;

@@ -23,7 +23,8 @@ typedef struct PartRows {
 } PartRows;
 void part_rows_end(PartRows *rows);
 // Doors have moved: drops the rows that may see one of them, which the next call of reflected_nodes makes again. Returns how many.
-int part_rows_move(PartRows *rows, const Building *building, const MovedDoors *moved);
+// `shown`: the mesh that shows the light, posed.
+int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved);
 
 // The irradiance by reflected light at nodes of a mesh whose elements are those of the scene's mesh, halved as often as `halved` says or
 // oftener, W/m^2 a channel, into `out` [nodes->count]. `halved` NULL: no element was halved for reflected light. The same on any number of

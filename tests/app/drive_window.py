@@ -543,6 +543,16 @@ def lamps(v):
     v.expect(math.dist(before, w.now["eye"]) > 0.3, "the key up walks no more")
 
 
+def hour_comes(v):
+    """The building is lit at another hour in the background, and at a third one before that has come."""
+    w = v.walker
+    w.key("period")
+    v.expect(w.now["light"]["coming"], "no other hour comes")
+    w.key("period")
+    w.until(lambda now: not now["light"]["coming"], "the light of another hour", 400)
+    v.expect(w.now["light"]["hour"] == "10:20", f"it is {w.now['light']['hour']}")
+
+
 def hour_turns(v):
     """It is night. The light of another hour comes while that of the night is shown, and then a sun shines; back again at once."""
     w = v.walker
@@ -590,7 +600,7 @@ def main():
     if "--threads" in sys.argv:
         good = visit(arguments, keep, [], [small, changed_while_lit])
         arguments[1] = os.path.join(arguments[2], "closet.plan")
-        sys.exit(not (visit(arguments, keep, [], [small, light_arrives]) and good))
+        sys.exit(not (visit(arguments, keep, [], [small, light_arrives, hour_comes]) and good))
     good = "--lit" in sys.argv or visit(arguments, keep, ["--no-bake"], PARTS)
     # In the end a walk that is lit as it goes on; with --lit this one alone.
     good = visit(arguments, keep, [], [light_arrives, light_follows, lit_pictures, lamps, hour_turns]) and good

@@ -9,10 +9,10 @@
 #include "engine/walk/session.h"
 #include "engine/walk/session_state.h"
 #include "tests/support/support.h"
-#include "tests/support/walk_loader.h"
 
 typedef struct Soak {
     Arena arena;
+    SceneOptions load;
     Display *display;
     Session *session;
     char *file;
@@ -48,7 +48,7 @@ static void strike(Soak *s, int key) {
 
 // The next deed of a hand. Everything there is a key for, what leaves the walk or fills the disk apart.
 static void do_something(Soak *s) {
-    static const char HELD[] = "WASD C", STRUCK[] = "EEEEEOFGGKNBVXTMIU-=0123456789H";
+    static const char HELD[] = "WASD C", STRUCK[] = "EEEEEOFGGKNBVXTMIU-=0123456789H,.";
     static const int OTHERS[] = {DISPLAY_KEY_PAGE_UP, DISPLAY_KEY_PAGE_DOWN, DISPLAY_KEY_LEFT_SHIFT};
     int press = below(s, 2) ? DISPLAY_KEY_PRESSED : DISPLAY_KEY_RELEASED;
     int key = STRUCK[below(s, sizeof STRUCK - 1)];
@@ -92,7 +92,9 @@ static void begin(Soak *s, const char *building, uint64_t seed) {
     SessionOptions options = session_default_options();
     options.file = s->file;
     options.pictures = folder;
-    SessionLoader loader = {walk_loader_lit, NULL, NULL};
+    s->load = scene_default_options();
+    s->load.lamps = SCENE_LAMPS_ALL;
+    SessionLoader loader = {walk_scene_load, &s->load, walk_scene_turn};
     s->session = session_new(&options, &loader, &s->arena, &error);
     cr_assert(s->session, "%s", error.text);
 }
@@ -126,7 +128,7 @@ static const double MOST_GROWTH = 96e6;
 enum { FEWEST_FRAMES = 200 };
 
 // Proves that whatever is pressed the walk goes on, without an error that sanitizers or asserts see, and that its memory stays as it
-// is: random walks, doors, looks, stored views, files that change and break meanwhile, bakes in the background broken off and begun.
+// is: random walks, doors, looks, stored views, hours, files that change and break meanwhile, bakes in the background broken off and begun.
 Test(soak, walks_on_whatever_is_pressed, .timeout = 3600) {
     static const char *const BUILDINGS[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
                                             "build/maps/office-plain.plan"};

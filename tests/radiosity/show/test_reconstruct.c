@@ -150,3 +150,35 @@ Test(reconstruct, what_stands_on_a_surface_parts_its_light) {
     cr_assert_float_eq(b[0], 0, 1e-12);
     cr_assert_float_eq(b[1], 1, 1e-12);
 }
+
+// ---- fits that are kept
+
+// Proves that values of elements and of patches are fitted with what is kept from call to call just as without, to the last bit, also where
+// units come to light or are covered meanwhile, and where some nodes alone are wanted.
+static void check_kept(bool of_patches, bool some) {
+    Lit *lit = lit_rooms(3);
+    const Mesh *mesh = &lit->mesh;
+    Nodes nodes = nodes_of(mesh, &lit->arena);
+    Random random = {7};
+    int units = of_patches ? mesh->patch_count : mesh->element_count;
+    double(*value)[3] = arena_alloc(&lit->arena, (size_t)units, sizeof *value);
+    double(*out[2])[3];
+    for (int i = 0; i < 2; i++) out[i] = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *out[i]);
+    bool *wanted = some ? ARENA_ARRAY(&lit->arena, bool, nodes.count) : NULL;
+    for (int n = 0; some && n < nodes.count; n++) wanted[n] = random_index(&random, 3) > 0;
+    ValueFits kept = {.arena = &lit->arena};
+    for (int round = 0; round < 8; round++) {
+        for (int u = 0; u < units; u++) {
+            if (round > 0 && random_index(&random, 20) > 0) continue;
+            double light = random_index(&random, 4) == 0 ? 0 : random_unit(&random);
+            for (int c = 0; c < 3; c++) value[u][c] = light;
+        }
+        reconstruct_values(mesh, &nodes, of_patches, value, wanted, out[0], NULL, NULL);
+        reconstruct_values(mesh, &nodes, of_patches, value, wanted, out[1], NULL, &kept);
+        cr_assert_arr_eq(out[0], out[1], (size_t)nodes.count * sizeof *out[0], "round %d", round);
+    }
+    lit_free(lit);
+}
+Test(reconstruct, kept_fits_are_fits_from_nothing) {
+    for (int i = 0; i < 4; i++) check_kept(i & 1, i & 2);
+}

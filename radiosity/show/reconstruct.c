@@ -503,7 +503,7 @@ static void fit_values(Fit *fit, double (*value)[3], ValueFits *kept, double (*o
     }
 }
 
-static void find_place(const Fit *fit, int unit, Arena *scratch, UnitPlace *out) {
+static void place_unit(const Fit *fit, int unit, Arena *scratch, UnitPlace *out) {
     const Mesh *mesh = fit->mesh;
     int face = fit->of_patches ? mesh->patches[unit].face : mesh->elements[unit].face;
     int in = fit->of_patches ? mesh_element_at(mesh, face, fit->centroid[unit]) : unit, best[3] = {0, 1, 2};
@@ -519,7 +519,7 @@ static void find_place(const Fit *fit, int unit, Arena *scratch, UnitPlace *out)
 // How far a value is above the linear light between the nodes.
 static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
                           UnitPlace *place, double out[3]) {
-    if (!place->there) find_place(fit, unit, scratch, place);
+    if (!place->there) place_unit(fit, unit, scratch, place);
     for (int c = 0; c < 3; c++) {
         double shown = 0;
         for (int k = 0; k < 3; k++) shown += place->share[k] * node[place->node[k]][c];

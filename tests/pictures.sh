@@ -39,7 +39,7 @@ done
 montage build/pictures/lamps-[1-4]/frame-00000.png -tile 2x2 -geometry 480x270+2+2 -depth 8 -colors 96 tests/pictures/lamps.png
 # A door opens into a room whose lamp is off, and closes again: each frame is the light of its state.
 frame=0
-rm -f build/pictures/door-*.png
+rm -f build/pictures/door-*.png build/pictures/door-*.rad
 for open in 0 0 3 6 10 15 21 28 36 45 55 66 78 90 100 100 100 90 78 66 55 45 36 28 21 15 10 6 3 0; do
     light=build/pictures/door-$open.rad
     [ -e "$light" ] || "$build/enfilade" bake build/maps/two-rooms.plan --night --doors between=$open% --lamps study=off -o "$light"

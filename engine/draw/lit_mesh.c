@@ -209,11 +209,7 @@ LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
             if (leaf) fill_leaf(lit, p);
         }
     }
-    Nodes nodes = nodes_of(mesh, &kept);
-    lit->node = ARENA_ARRAY(arena, int, lit_vertex_count(lit) + 1);
-    lit->node_count = nodes.count;
-    for (int v = 0; v < lit_vertex_count(lit); v++)
-        lit->node[v] = lit->source[v] < 0 ? -1 : nodes.of_corner[lit->source[v]];
+    lit->nodes = nodes_of(mesh, arena);
     arena_free(&kept);
     arena_free(&scratch);
     return lit;
@@ -281,20 +277,20 @@ static void fill_vertices(const LitMesh *lit, const RadSolution *solution, const
     double(*node)[3] = solution->node;
     Arena scratch = {0};
     if (node) {
-        CORE_ASSERT(solution->node_count == lit->node_count);
+        CORE_ASSERT(solution->node_count == lit->nodes.count);
     } else {
-        Nodes nodes = nodes_of(lit->mesh, &scratch);
-        node = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *node);
-        reconstruct_nodes(lit->mesh, &nodes, solution, node);
+        node = arena_alloc(&scratch, (size_t)lit->nodes.count + 1, sizeof *node);
+        reconstruct_nodes(lit->mesh, &lit->nodes, solution, node);
     }
     int last = -1;
     double of_face[3];
     for (int v = 0; v < lit_vertex_count(lit); v++) {
         const double *from = of_face;
-        if (lit->node[v] >= 0) {
-            from = node[lit->node[v]];
-        } else if (-1 - lit->source[v] != last) {
-            last = -1 - lit->source[v];
+        int at = lit->source[v];
+        if (at >= 0) {
+            from = node[lit->nodes.of_corner[at]];
+        } else if (-1 - at != last) {
+            last = -1 - at;
             reconstruct_face(lit->mesh, last, even, of_face);
         }
         for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];

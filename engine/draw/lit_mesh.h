@@ -19,8 +19,7 @@ typedef struct LitMesh {
     int *first_vertex, *first_index;  // [polygon_count + 1] in `vertex` and `index`
     LitVertex *vertex;                // [vertex_count] leaves as when closed, until walk_lit_pose moves them
     int *source;                      // [vertex_count] index in Mesh.corners; of a leaf -1 - its face
-    int *node;                        // [vertex_count] in nodes_of the mesh; of a leaf -1
-    int node_count;
+    Nodes nodes;                      // of the mesh
     unsigned *index;
     Plane *plane;  // [polygon_count]
     int *lamp;     // [lamp_count] polygons of lamps, lit or not

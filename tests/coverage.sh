@@ -27,7 +27,7 @@ done | sort -u | awk '
         if (name ~ /maps\/doom\//) return "wad"
         if (name ~ /polygons\/gltf/) return "gltf"
         if (name ~ /polygons\/(soup|obj)/) return "obj and soups"
-        if (name ~ /polygons\/prt|building\/scan/) return "prt"
+        if (name ~ /quake\/prt|building\/scan/) return "prt"
         if (name ~ /polygons\/quads/) return "quads"
         return "all others"
     }

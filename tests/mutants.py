@@ -27,6 +27,7 @@ TABLE = [
     (r"engine/core/file\.c", ["@(file|seen|derived|kills)/*", "@(rad_file|recording)/*"]),
     (r"maps/building/zip\.c", ["@(sh3d|zip)/*"]),
     (r"maps/(building/)?building\w*\.c", ["sums/@(plans|files)", "@(building|plan|prt|quads)/*", "@(curved|sh3d|soup|soup_obj|wad)/!(polygons_*)"]),
+    (r"maps/quake/\w+\.c", ["@(quake|quake_faults|prt)/*"]),
     (r"maps/enclose/\w+\.c", ["sums/@(plans|files)", "enclose/!(random_plans)", "@(enclose|enclose_plans)/*"]),
     (r"visibility/pairs/\w+\.c", ["sums/*sight", "@(pairs|witness|seen)/!(sightlines_*)", "pairs/sightlines_*"]),
     (r"visibility/query/\w+\.c", ["sums/sight", "@(query_slot|query_cone|query_eye|query|query_oracle)/*", "@(leaves|layers|walk)/*"]),

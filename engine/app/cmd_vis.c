@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "engine/app/app.h"
+#include "engine/app/vis_level.h"
 #include "engine/core/clock.h"
 #include "engine/core/memory.h"
 #include "visibility/pairs/compare.h"
@@ -134,8 +135,9 @@ static int vis_pairs(const VisPairsArguments *a) {
 typedef struct Arguments {
     SceneOptions load;
     VisPairsArguments pairs;
+    VisLevelArguments level;
     const char *file, *out;
-    bool json;
+    bool json, in_place, fast;
 } Arguments;
 
 static int take_method(const char *name, void *arguments, Error *error) {
@@ -145,15 +147,18 @@ static int take_method(const char *name, void *arguments, Error *error) {
     return APP_BAD_USE;
 }
 
+enum { OUT_VIS, OUT_BSP, OUT_COUNT };
+static const char *const OUT_ENDINGS[OUT_COUNT] = {"vis", "bsp"};
+
 static const Option ROWS[] = {
     OPTION_MAP(offsetof(Arguments, load.map)),
     {.name = "o",
-     .value = "OUT.vis",
+     .value = "OUT",
      .type = OPTION_OUTPUT,
-     .names = (const char *const[]){"vis"},
-     .name_count = 1,
+     .names = OUT_ENDINGS,
+     .name_count = OUT_COUNT,
      .at = offsetof(Arguments, out),
-     .help = "where to write (default: the user's cache)"},
+     .help = "OUT.vis: the trees (default: in the user's cache); OUT.bsp: the level with its visibility"},
     OPTION_THREADS(offsetof(Arguments, load.vis.threads)),
     {.name = "square",
      .value = "M",
@@ -172,6 +177,29 @@ static const Option ROWS[] = {
     OPTION_MEMORY(offsetof(Arguments, load.memory), "what fits the file"),
     OPTION_JSON(offsetof(Arguments, json)),
     {.type = OPTION_HEADING,
+     .help = "Of a Quake or Quake II level, with -o OUT.bsp or --in-place, the level is written with the "
+             "visibility of its leaves. "
+             "Stopped early (Ctrl-C, --seconds), what was not excluded until then counts as visible."},
+    {.name = "in-place",
+     .type = OPTION_FLAG,
+     .at = offsetof(Arguments, in_place),
+     .help = "replaces the level itself, once the new one is whole"},
+    {.name = "portals",
+     .value = "FILE.prt",
+     .type = OPTION_TEXT,
+     .at = offsetof(Arguments, level.portals),
+     .help = "portals of the level's compiler (default: MAP.prt beside MAP.bsp), or `leaves`: they are made "
+             "from the leaves of "
+             "the level, so that details hide what is behind them (default where there is no MAP.prt)"},
+    {.name = "clear-water",
+     .type = OPTION_FLAG,
+     .at = offsetof(Arguments, level.clear_water),
+     .help = "with portals made from leaves, sight passes the surfaces of water, slime and lava"},
+    {.name = "fast",
+     .type = OPTION_FLAG,
+     .at = offsetof(Arguments, fast),
+     .help = "a draft by the first of the methods below, in seconds for any level"},
+    {.type = OPTION_HEADING,
      .help =
          "With one of the following, no trees: a method finds which cells see each other. It can be stopped "
          "at any "
@@ -180,7 +208,7 @@ static const Option ROWS[] = {
      .value = "NAME",
      .type = OPTION_OTHER,
      .take = take_method,
-     .help = "one of those below, from the coarsest to the finest (default: the last)"},
+     .help = "one of those below, from the coarsest to the finest (default: the last); of a level, too"},
     {.name = "pairs",
      .value = "OUT.seen",
      .type = OPTION_TEXT,
@@ -197,11 +225,12 @@ static const Option ROWS[] = {
      .at = offsetof(Arguments, pairs.seconds),
      .low = 0.001,
      .high = 1e6,
-     .help = "stops after S seconds, @"},
+     .help = "stops after S seconds, @; of a level, too"},
 };
 static const OptionTable OPTIONS =
     OPTION_TABLE("vis",
                  "FILE [-o OUT.vis] [OPTIONS]\n"
+                 "MAP.bsp (-o OUT.bsp | --in-place) [OPTIONS]\n"
                  "FILE [--pairs-method NAME] [--pairs OUT.seen] [--against IN.seen] [--seconds S] [OPTIONS]",
                  "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the "
                  "user's cache, where the "
@@ -210,16 +239,44 @@ static const OptionTable OPTIONS =
                  "threads.",
                  ROWS);
 
+static int check_level(Arguments *a, bool pairs, bool matrix) {
+    static const char WITHOUT[] =
+        "vis: --in-place, --portals, --clear-water and --fast are for levels (allowed: with -o OUT.bsp or "
+        "--in-place)";
+    bool bsp = a->out && options_ending(a->out, OUT_ENDINGS, OUT_COUNT) == OUT_BSP;
+    if (!bsp && !a->in_place) {
+        if (a->level.portals || a->level.clear_water || a->fast) return app_misuse("vis", "%s", WITHOUT);
+        if (pairs && a->out)
+            return app_misuse("vis",
+                              "vis: -o stores stab trees, which a method does not make (allowed: --pairs)");
+        return APP_GOOD;
+    }
+    if (a->in_place && a->out)
+        return app_misuse("vis", "vis: --in-place writes MAP.bsp itself (allowed: that, or -o OUT.bsp)");
+    if (matrix)
+        return app_misuse(
+            "vis", "vis: --pairs and --against are about a matrix (allowed: without OUT.bsp and --in-place)");
+    if (a->fast && a->pairs.method)
+        return app_misuse("vis", "vis: --fast is a method (allowed: that, or --pairs-method)");
+    a->level.file = a->file;
+    a->level.out = a->in_place ? a->file : a->out;
+    a->level.method = a->fast           ? PAIR_METHODS[0]
+                      : a->pairs.method ? pair_method(a->pairs.method)
+                                        : pair_method_finest();
+    a->level.threads = a->load.vis.threads;
+    a->level.seconds = a->pairs.seconds;
+    a->level.memory = a->load.memory;
+    a->level.json = a->json;
+    return APP_GOOD;
+}
+
 static int parse_vis(int argc, char **argv, Arguments *a, bool *help, bool *wants_pairs) {
     bool given[sizeof ROWS / sizeof *ROWS] = {false};
     int code = options_parse_file(&OPTIONS, argc, argv, a, given, &a->file, help);
     if (code != APP_GOOD || *help) return code;
     static const char *const names[] = {"pairs-method", "pairs", "against", "seconds"};
     for (int i = 0; i < 4; i++) *wants_pairs |= options_given(&OPTIONS, given, names[i]);
-    if (*wants_pairs && a->out)
-        return app_misuse("vis",
-                          "vis: -o stores stab trees, which a method does not make (allowed: --pairs)");
-    return APP_GOOD;
+    return check_level(a, *wants_pairs, a->pairs.out || a->pairs.against);
 }
 
 static void print_vis_help(void) {
@@ -321,6 +378,7 @@ int cmd_vis(int argc, char **argv) {
     int code = parse_vis(argc, argv, &a, &help, &wants_pairs);
     if (help) print_vis_help();
     if (code != APP_GOOD || help) return code;
+    if (a.level.out) return vis_level(&a.level);
     if (wants_pairs) {
         a.pairs.file = a.file;
         a.pairs.load = a.load;

@@ -23,6 +23,7 @@
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
 #include "engine/core/text.h"
+#include "maps/quake/quake.h"
 #include "visibility/pairs/compare.h"
 #include "visibility/pairs/sample.h"
 #include "visibility/pairs/seen_file.h"
@@ -44,9 +45,6 @@ static const char ENTITY_TEXT[] = "{\n\"classname\" \"worldspawn\"\n}\n";
 
 static void put_int(unsigned char *at, int value) {
     for (int k = 0; k < 4; k++) at[k] = (unsigned char)((uint32_t)value >> (8 * k));
-}
-static int get(const unsigned char *at) {
-    return (int)(at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24);
 }
 
 // A level of `cell_count` leaves and nothing else.
@@ -72,61 +70,28 @@ static Bytes bsp29_make(int cell_count, Arena *arena) {
         put_int(leaf, c == 0 ? CONTENTS_SOLID : CONTENTS_EMPTY);
         put_int(leaf + LEAF_ROW, NONE);
     }
-    for (int k = 1; k < 3; k++) put_int(data + at[MODELS] + MODEL_HEAD_NODES + 4 * k, NONE);
+    for (int k = 0; k < 3; k++) put_int(data + at[MODELS] + MODEL_HEAD_NODES + 4 * k, NONE);
     put_int(data + at[MODELS] + MODEL_LEAVES, cell_count);
     return (Bytes){data, size};
-}
-
-static bool find_lump(const char *path, Bytes content, int lump, Bytes *out, Error *error) {
-    int from = get(content.data + 4 + 8 * lump), size = get(content.data + 8 + 8 * lump);
-    if (from < 0 || size < 0 || (size_t)from + (size_t)size > content.size)
-        return error_set(error, "%s: lump %d reaches from %d over %d bytes (the file has %zu)", path, lump,
-                         from, size, content.size);
-    *out = (Bytes){content.data + from, (size_t)size};
-    return true;
-}
-
-// Unpacks the row that begins at `from`; false where it is cut short.
-static bool unpack(Bytes packed, size_t from, int cell_count, uint64_t *row) {
-    size_t bytes = ((size_t)cell_count + 7) / 8, at = from;
-    for (size_t k = 0; k < bytes;) {
-        if (at >= packed.size) return false;
-        unsigned char byte = packed.data[at++];
-        if (byte) {
-            row[k / 8] |= (uint64_t)byte << (k % 8 * 8);
-            k++;
-        } else {
-            if (at >= packed.size || packed.data[at] == 0) return false;
-            k += packed.data[at++];
-        }
-    }
-    if (cell_count % 64) row[cell_count / 64] &= ((uint64_t)1 << (cell_count % 64)) - 1;
-    return true;
 }
 
 // Reads the leaves that each leaf of a level from bsp29_make sees, as PairSet.seen, after the level was compiled. Refuses a level
 // without visibility.
 static bool bsp29_read_seen(const char *path, int cell_count, Arena *arena, uint64_t **rows, Error *error) {
     enum { LIMIT = 1 << 30 };
-    Bytes content, leaves, packed;
-    if (!file_read(path, LIMIT, arena, &content, error)) return false;
-    if (content.size < LEVEL_HEAD || get(content.data) != VERSION)
-        return error_set(error, "%s: is no level of version %d", path, VERSION);
-    if (!find_lump(path, content, LEAVES, &leaves, error) ||
-        !find_lump(path, content, VISIBILITY, &packed, error))
+    Bytes content;
+    QuakeLevel level;
+    if (!file_read(path, LIMIT, arena, &content, error) || !quake_read(path, content, arena, &level, error))
         return false;
-    if (leaves.size != LEAF_SIZE * ((size_t)cell_count + 1)) {
-        return error_set(error, "%s: has %zu leaves (expected %d)", path, leaves.size / LEAF_SIZE,
-                         cell_count + 1);
-    }
-    size_t words = ((size_t)cell_count + 63) / 64;
-    *rows = ARENA_ARRAY(arena, uint64_t, (size_t)cell_count * words);
+    if (level.cluster_count != cell_count)
+        return error_set(error, "%s: has %d leaves (expected %d)", path, level.cluster_count, cell_count);
     for (int c = 0; c < cell_count; c++) {
-        int from = get(leaves.data + (size_t)(c + 1) * LEAF_SIZE + LEAF_ROW);
-        if (from < 0 || !unpack(packed, (size_t)from, cell_count, *rows + (size_t)c * words))
+        if (level.leaves[c + 1].row < 0)
             return error_set(error, "%s: leaf %d has no visibility", path, c + 1);
     }
-    return true;
+    int words = (cell_count + 63) / 64;
+    *rows = ARENA_ARRAY(arena, uint64_t, (size_t)cell_count * (size_t)words);
+    return quake_rows(&level, words, *rows, error);
 }
 
 enum { MOST_BYTES = 1 << 28, MOST_CELLS = 1 << 16, OPEN_FOLDERS = 8 };

@@ -17,6 +17,7 @@ seeds() {
     gltf) ls tests/seeds/*.gl* ;;
     foreign) ls tests/seeds/*.dae tests/seeds/*.3ds ;;
     recording) ls tests/seeds/*.path ;;
+    quake) ls tests/seeds/*.bsp ;;
     photometry) ls tests/seeds/*.ies tests/seeds/*.ldt ;;
     pipeline) ls tests/seeds/s*.plan tests/seeds/room* tests/seeds/*.{prt,files} ;;
     *) ls tests/seeds/*."$1" 2>/dev/null ;;
@@ -26,7 +27,7 @@ seeds() {
 longest() {
     case $1 in
     seen | prt | quads | recording) echo 600 ;;
-    pipeline) echo 8000 ;;
+    pipeline | quake) echo 8000 ;;
     *) echo 3000 ;;
     esac
 }

@@ -1,9 +1,10 @@
-// test_prt.c - the reader of PRT1 portal files.
+// test_prt.c - the reader of portal files.
 #include <criterion/criterion.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
+#include "maps/quake/prt.h"
 #include "tests/support/prt_scene.h"
 #include "tests/support/soups.h"
 #include "tests/support/support.h"
@@ -73,15 +74,39 @@ Test(prt, areas_of_nothing) {
     arena_free(&arena);
 }
 
+// PRT2 and PRT1-AM tell the same: two cells, the first of two leaves.
+Test(prt, leaves_of_cells) {
+    static const char *const TEXTS[] = {"PRT2\n3\n2\n1\n4 0 1 " WINDOW "\n2 0 -1\n1 -1\n",
+                                        "PRT1-AM\n2\n1\n3\n4 0 1 " WINDOW "\n0\n1\n0\n"};
+    for (int i = 0; i < 2; i++) {
+        Arena arena = {0};
+        Building b = {0};
+        PrtLeaves leaves;
+        Error error = {""};
+        Bytes content = {(unsigned char *)arena_string(&arena, TEXTS[i]), strlen(TEXTS[i])};
+        cr_assert(prt_read("t.prt", content, &arena, &b, &leaves, &error), "%s", error.text);
+        cr_expect(b.given_cell_count == 2 && b.given_portal_count == 1 && leaves.count == 3);
+        cr_expect(leaves.cell[0] == 0 && leaves.cell[1] == 1 && leaves.cell[2] == 0);
+        arena_free(&arena);
+    }
+}
+
 // Every fault is refused with its line, what was found and what is allowed.
 Test(prt, faults) {
     static const struct {
         const char *text, *expected;
     } CASES[] = {
         {"", "t.prt: is empty (expected PRT1)"},
-        {"PRT2\n4\n2\n1\n", "t.prt:1: is a PRT2 file (allowed PRT1: the clusters of PRT2 are not convex"},
-        {"PRT3\n", "t.prt:1: begins with `PRT3`"},
-        {"PRT1-AM\n", "t.prt:1: begins with `PRT1-AM`"},
+        {"PRT3\n", "t.prt:1: begins with `PRT3` (allowed PRT1, PRT2 and PRT1-AM)"},
+        {"PRT2\n", "t.prt: ends before the number of leaves"},
+        {"PRT2\n0\n2\n1\n", "t.prt:2: the number of leaves is `0` (allowed 1 to 1048576)"},
+        {"PRT1-AM\n2\n1\n", "t.prt: ends before the number of leaves"},
+        {"PRT2\n3\n2\n1\n4 0 1 " WINDOW "\n0 1 -1\n", "t.prt:7: ends within the leaves of cell 1"},
+        {"PRT2\n3\n2\n1\n4 0 1 " WINDOW "\n0 1 -1\n3 -1\n", "t.prt:7: a leaf is `3` (allowed -1 to 2)"},
+        {"PRT2\n3\n2\n1\n4 0 1 " WINDOW "\n0 1 -1\n-1\n", "t.prt: leaf 2 is in no cell"},
+        {"PRT2\n3\n2\n1\n4 0 1 " WINDOW "\n0 1 -1\n2 -1\n7\n", "t.prt:8: found `7` after the last leaf"},
+        {"PRT1-AM\n2\n1\n3\n4 0 1 " WINDOW "\n0\n1\n", "ends after the cells of 2 leaves"},
+        {"PRT1-AM\n2\n1\n3\n4 0 1 " WINDOW "\n0 1 2\n", "the cell of a leaf is `2` (allowed 0 to 1)"},
         {"PRT1\n", "t.prt: ends before the number of cells"},
         {"PRT1\n2\n", "t.prt: ends before the number of portals"},
         {"PRT1\n0\n0\n", "t.prt:2: the number of cells is `0` (allowed 1 to 65536)"},

@@ -140,6 +140,9 @@ static inline bool vis_sees(const StabForest *forest, int from, int to) {
 bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const Progress *progress,
                       Arena *arena, StabForest *out);
 
+// A hash of all cells and portals, by which files that were made for others are known.
+uint64_t vis_geometry_hash(const CellGraph *graph);
+
 // The .vis file: cells are made again from the building; the forest is stored under the building's hash.
 bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error);
 // False, and a sentence, where the file is damaged or of another building, version or grid of squares.

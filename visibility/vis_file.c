@@ -21,7 +21,7 @@ static const DerivedKind KIND = {.magic = "ENFVIS",
                                  .header = sizeof(Header),
                                  .largest = (size_t)4 << 30};
 
-static uint64_t geometry_hash(const CellGraph *graph) {
+uint64_t vis_geometry_hash(const CellGraph *graph) {
     uint64_t hash = file_hash(graph->plan, (size_t)graph->plan_count * sizeof *graph->plan, VERSION);
     for (int c = 0; c < graph->cell_count; c++) {
         double heights[2] = {graph->cells[c].z0, graph->cells[c].z1};
@@ -155,13 +155,13 @@ bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest
     memcpy(at += s.root, forest->bounded, s.bounded);
     put_seen(forest, at += s.bounded);
     memcpy(at + s.seen, forest->nodes, s.nodes);
-    bool good = derived_write(path, &KIND, graph->building->hash, geometry_hash(graph), file, s.total, error);
+    bool good = derived_write(path, &KIND, graph->building->hash, vis_geometry_hash(graph), file, s.total, error);
     memory_free(file);
     return good;
 }
 
 static bool check_cells(const char *path, const Header *h, const CellGraph *graph, Error *error) {
-    if (h->head.geometry == geometry_hash(graph) && h->cell_count == graph->cell_count &&
+    if (h->head.geometry == vis_geometry_hash(graph) && h->cell_count == graph->cell_count &&
         h->portal_count == graph->portal_count && h->words == words_of(graph->cell_count) &&
         h->node_count >= 0)
         return true;

@@ -39,16 +39,34 @@ void app_begin(void) {
 
 // ---- progress
 
+// How long a stage still takes, if it goes on as so far: "" in its first seconds, when nobody can tell.
+static const char *time_left(double since, double done, char text[16]) {
+    static const double TELLING = 2, LEAST = 0.02;
+    double gone = clock_seconds() - since, left = done > 0 ? gone * (1 - done) / done : 0;
+    *text = 0;
+    if (gone < TELLING || done < LEAST || done >= 1) return text;
+    if (left < 100) snprintf(text, 16, "%.0f s left", left);
+    if (left >= 100 && left < 6000) snprintf(text, 16, "%.0f min left", left / 60);
+    if (left >= 6000) snprintf(text, 16, "%.0f h left", fmin(left / 3600, 999));
+    return text;
+}
+
 static bool report(void *context, const char *stage, double done) {
     enum { WIDTH = 40 };
     (void)context;
-    static double last;
+    static double last, since;
+    static char before[16];
     double now = clock_seconds();
+    if (strncmp(stage, before, sizeof before - 1) != 0) {
+        snprintf(before, sizeof before, "%s", stage);
+        since = now;
+    }
     if (now - last < 0.05 && done < 1) return true;
     last = now;
     int full = (int)(done * WIDTH);
-    fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", stage, full, "########################################",
-            WIDTH - full, "", (int)(done * 100));
+    char left[16];
+    fprintf(stderr, "\r%-12s [%.*s%*s] %3d %% %-13s", stage, full, "########################################",
+            WIDTH - full, "", (int)(done * 100), time_left(since, done, left));
     return true;
 }
 
@@ -80,7 +98,7 @@ Progress app_progress_stoppable(double seconds) {
 bool app_interrupted(void) { return atomic_load(&interrupted); }
 
 void app_progress_end(void) {
-    if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%70s\r", "");
+    if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%78s\r", "");
 }
 
 // ---- files

@@ -195,6 +195,13 @@ static const Option ROWS[] = {
      .type = OPTION_FLAG,
      .at = offsetof(Arguments, level.clear_water),
      .help = "with portals made from leaves, sight passes the surfaces of water, slime and lava"},
+    {.name = "state",
+     .value = "FILE",
+     .type = OPTION_OUTPUT,
+     .names = (const char *const[]){"pairs"},
+     .name_count = 1,
+     .at = offsetof(Arguments, level.state),
+     .help = "FILE.pairs: stopped early, what was found goes there, and the next run goes on from it"},
     {.name = "fast",
      .type = OPTION_FLAG,
      .at = offsetof(Arguments, fast),
@@ -240,12 +247,13 @@ static const OptionTable OPTIONS =
                  ROWS);
 
 static int check_level(Arguments *a, bool pairs, bool matrix) {
-    static const char WITHOUT[] =
-        "vis: --in-place, --portals, --clear-water and --fast are for levels (allowed: with -o OUT.bsp or "
-        "--in-place)";
+    static const char WITHOUT[] = "vis: --in-place, --portals, --clear-water, --state and --fast are for "
+                                  "levels (allowed: with -o OUT.bsp or "
+                                  "--in-place)";
     bool bsp = a->out && options_ending(a->out, OUT_ENDINGS, OUT_COUNT) == OUT_BSP;
     if (!bsp && !a->in_place) {
-        if (a->level.portals || a->level.clear_water || a->fast) return app_misuse("vis", "%s", WITHOUT);
+        if (a->level.portals || a->level.clear_water || a->level.state || a->fast)
+            return app_misuse("vis", "%s", WITHOUT);
         if (pairs && a->out)
             return app_misuse("vis",
                               "vis: -o stores stab trees, which a method does not make (allowed: --pairs)");

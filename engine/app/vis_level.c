@@ -2,6 +2,7 @@
 // searched as for any building, and the level is written again with the rows that follow.
 #include "engine/app/vis_level.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include "engine/scene/budget.h"
 #include "maps/quake/quake.h"
 #include "visibility/pairs/compare.h"
+#include "visibility/pairs/pairs_file.h"
 
 static const size_t MOST_BYTES = (size_t)1 << 30;  // of a level; its numbers tell twice as many
 
@@ -96,10 +98,14 @@ static bool find_rows(Job *j, Error *error) {
     options.threads = a->threads;
     if (!vis_build_cells(&j->cells.building, &options, j->arena, &j->graph, error) || !memory_within(error))
         return false;
+    PairSet known;
+    bool goes_on = a->state && access(a->state, F_OK) == 0;
+    if (goes_on && !pairs_load(a->state, &j->graph, j->arena, &known, error)) return false;
     memory_set_stage("finding which cells see each other");
     Progress progress = app_progress_stoppable(a->seconds);
     double start = clock_seconds();
-    a->method->find(&j->graph, &(PairOptions){.threads = a->threads}, &progress, j->arena, &j->set);
+    a->method->find(&j->graph, &(PairOptions){.threads = a->threads, .known = goes_on ? &known : NULL},
+                    &progress, j->arena, &j->set);
     j->seconds = clock_seconds() - start;
     app_progress_end();
     j->words = (j->level.cluster_count + 63) / 64;
@@ -160,19 +166,31 @@ static void print_level(const Job *j) {
     printf("%s: %zu bytes\n", j->arguments->out, j->out.size);
 }
 
+static bool keep_state(const Job *j, Error *error) {
+    const char *state = j->arguments->state;
+    if (!state) return true;
+    if (j->set.stopped) return pairs_save(state, &j->graph, &j->set, error);
+    if (remove(state) != 0 && errno != ENOENT)
+        return error_set(error, "%s: cannot be removed, though all is found: %s", state, strerror(errno));
+    return true;
+}
+
 static bool make_level(Job *j, Error *error) {
     const VisLevelArguments *a = j->arguments;
     budget_open(a->file, a->memory, false);
     if (!read_level(j, error)) return false;
     budget_work(a->file, a->memory, "finding its visibility");
-    return find_rows(j, error) && file_write(a->out, j->out.data, j->out.size, error);
+    return find_rows(j, error) && file_write(a->out, j->out.data, j->out.size, error) && keep_state(j, error);
 }
 
 int vis_level(const VisLevelArguments *a) {
     Arena arena = {0};
     Error error;
     Job job = {.arguments = a, .arena = &arena};
-    bool good = file_check(a->out, 0, &error) && make_level(&job, &error);
+    const char *const written[] = {a->state, strcmp(a->out, a->file) == 0 ? NULL : a->out};
+    const char *const read[] = {a->file, a->portals};
+    bool good = app_check_files(written, 2, read, 2, NULL, &error) && file_check(a->out, 0, &error) &&
+                make_level(&job, &error);
     if (good) {
         if (a->json) print_level_json(&job);
         if (!a->json) print_level(&job);

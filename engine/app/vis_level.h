@@ -12,7 +12,9 @@ typedef struct VisLevelArguments {
     const PairMethod *method;
     int threads;     // 0: all cores
     double seconds;  // to stop after; 0: when done
-    size_t memory;   // bytes, 0: what the machine has
+    const char *
+        state;  // a .pairs file: taken up where it is there, written when stopped early, removed when done; NULL: none
+    size_t memory;  // bytes, 0: what the machine has
     bool json;
 } VisLevelArguments;
 

@@ -27,6 +27,15 @@ same "$work/again.bsp" "$work/one.bsp" 'rows depend on those before'
 expect 0 "$program" vis "$level" -o "$work/early.bsp" --seconds 0.001 && says out 'bytes'
 expect 0 "$program" vis "$level" -o "$work/water.bsp" --clear-water && says out '11 portals of its leaves'
 
+# Stopped early, what was found is kept, and goes when all is found.
+expect 0 "$program" vis "$level" -o "$work/early.bsp" --seconds 0.001 --state "$work/rooms.pairs"
+if grep -q 'stopped early' "$work/out"; then [ -s "$work/rooms.pairs" ] || fail 'no state is kept'; fi
+expect 0 "$program" vis "$level" -o "$work/last.bsp" --state "$work/rooms.pairs" && same "$work/last.bsp" "$work/one.bsp" 'going on'
+[ ! -e "$work/rooms.pairs" ] || fail 'the state is left'
+echo no state >"$work/rooms.pairs"
+expect 1 "$program" vis "$level" -o "$work/last.bsp" --state "$work/rooms.pairs" && sentence
+rm "$work/rooms.pairs"
+
 # The portals of a compiler, beside the level or named; those of another level are refused, and nothing is written.
 printf 'PRT1\n14\n1\n4 0 1 (0 0 9) (0 0 0) (0 9 0) (0 9 9)\n' >"$work/rooms.prt"
 expect 1 "$program" vis "$level" -o "$work/no.bsp" && says err 'of its 1 portals 0 lie between other leaves' && sentence

@@ -14,6 +14,13 @@ static void set_bit(uint64_t *rows, int words, int from, int to, bool value) {
     *word = value ? *word | bit : *word & ~bit;
 }
 
+void pair_set_take_known(PairSet *set, const PairSet *known) {
+    for (size_t i = 0; i < (size_t)set->cell_count * (size_t)set->words; i++) {
+        set->seen[i] &= known->seen[i];
+        set->proven[i] |= known->proven[i];
+    }
+}
+
 void pair_set_make_symmetric(PairSet *set) {
     int words = set->words;
     for (int i = 0; i < set->cell_count; i++) {

@@ -8,12 +8,6 @@
 
 #include "visibility/vis.h"
 
-// How pairs are searched.
-typedef struct PairOptions {
-    int threads;     // 0: all cores; the result is the same on any number
-    bool witnesses;  // keep the sightlines that prove pairs visible, where the method finds them
-} PairOptions;
-
 // A sightline from inside cell a to inside cell b (or to a point of its boundary), a < b, metres.
 typedef struct PairWitness {
     int a, b;
@@ -33,6 +27,14 @@ typedef struct PairSet {
     ChainWork work;
 } PairSet;
 
+// How pairs are searched.
+typedef struct PairOptions {
+    int threads;     // 0: all cores; the result is the same on any number
+    bool witnesses;  // keep the sightlines that prove pairs visible, where the method finds them
+    const PairSet
+        *known;  // rows of an earlier search of the same cells, from which this one goes on; NULL: none
+} PairOptions;
+
 // Bit `to` of row `from` of a matrix as in PairSet.
 static inline bool pair_bit(const uint64_t *rows, int words, int from, int to) {
     return rows[(size_t)from * (size_t)words + (size_t)to / 64] >> (to % 64) & 1;
@@ -51,6 +53,8 @@ const PairMethod *pair_method_finest(void);       // the last: the one that tree
 
 // For methods: an empty set, and its completion by symmetry (seen and its transpose, proven or its transpose).
 PairSet pair_set_new(const CellGraph *graph, Arena *arena);
+// Takes over what an earlier search excluded and proved.
+void pair_set_take_known(PairSet *set, const PairSet *known);
 // Visibility is symmetric: seen is seen both ways, proven one way is proven.
 void pair_set_make_symmetric(PairSet *set);
 

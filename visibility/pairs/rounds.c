@@ -92,6 +92,7 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
         row_add(set_row(r, set->proven, c), c);
         for (int other = 0; other < ways->cell_count; other++) row_add(set_row(r, set->seen, c), other);
     }
+    if (options->known) pair_set_take_known(set, options->known);
     for (int c = 0; c < ways->cell_count; c++) lend(r, c);
 }
 

@@ -83,6 +83,27 @@ static bool corner(const CellGraph *graph, Random *random, Vec3 *eye) {
     return true;
 }
 
+// Beside the surface of a cell.
+static bool at_wall(const CellGraph *graph, Random *random, Vec3 *eye) {
+    int cell = random_index(random, graph->cell_count), first = graph->surface_first[cell],
+        count = graph->surface_first[cell + 1] - first;
+    if (count == 0) return false;
+    const Object *surface = &graph->objects[first + random_index(random, count)];
+    const Polygon *polygon = &graph->polygons[surface->first_polygon];
+    const Vec3 *v = graph->vertices + polygon->first_vertex;
+    Vec3 sum = {0, 0, 0};
+    double weights = 0;
+    for (int i = 0; i < polygon->vertex_count; i++) {
+        double w = -log(1 - random_unit(random)) + 1e-3;
+        sum = vec3_add(sum, vec3_scale(v[i], w));
+        weights += w;
+    }
+    double away = random_between(random, NEAR_LEAST, NEAR_MOST);
+    *eye = vec3_add(vec3_scale(sum, 1 / weights),
+                    vec3_scale(plane_of_polygon(v, polygon->vertex_count).n, away));
+    return true;
+}
+
 static const Portal *random_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
     if (graph->portal_count == 0) return NULL;
     const Portal *portal = &graph->portals[random_index(random, graph->portal_count)];
@@ -147,6 +168,7 @@ static const struct {
              {"room", room},
              {"doorway", doorway},
              {"corner", corner},
+             {"wall", at_wall},
              {"portal", on_portal},
              {"beside portal", beside_portal},
              {"portal corner", portal_corner},

@@ -210,8 +210,8 @@ static void walk_from(VisQuery *q, int cell, bool trees) {
     }
 }
 
-// A line from the eye may begin in any of these cells. Where there are several, it may cross the portals between them edge-on, which trees
-// leave out. A line that a mirror sends on begins in one of the cells that the mirror touches, and is in the tree of that cell.
+// A line from the eye may begin in any of these cells. Where there are several, portals are walked, each once for all of them. A line that
+// a mirror sends on begins in one of the cells that the mirror touches: they may lie apart, and each has its own tree.
 static void walk(VisQuery *q, const int *around, int count) {
     bool trees = q->culling != CULL_PORTALS;
     q->limit = trees ? visible_set(q, around, count) : q->every_cell;

@@ -1,4 +1,5 @@
-// verify_random.c - random views from places where visibility is most likely to go wrong. Eyes keep off solid surfaces: an eye in a wall's own plane would see into the wall, and no answer would be right.
+// verify_random.c - random views from places where visibility is most likely to go wrong. Eyes keep off solid surfaces: an eye in
+// a wall's own plane would see into the wall, and no answer would be right.
 #include <string.h>
 
 #include "engine/sim/door_states.h"

@@ -203,8 +203,8 @@ typedef struct Eye {
     Vec3 position;
     Plane frustum[6];   // keep the positive side; all planes but the far one may pass through the eye
     int frustum_count;  // 0: all directions
-    // A point of a surface, exactly: it is before that surface however near. Otherwise an eye too near a wall for a
-    // rasteriser to tell its sides sees all.
+    // A point of a surface, exactly: it is before that surface however near. Otherwise an eye too near a wall for a rasteriser to tell its
+    // sides, a millimetre, sees what is seen from any cell within that distance.
     bool on_surface;
     // [start_count] Where the eye is the image of an eye in a mirror, behind that mirror: the cells that the mirror touches, in which
     // the view begins; the frustum keeps what lies before the mirror. 0: the view begins at the eye, in the eye's cell.
@@ -226,18 +226,20 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
 
 // The visible set, and the work of finding it. It lies in the query, until this is asked again.
 typedef struct VisResult {
-    const VisibleCell *cells;  // near to far
-    const int *objects;        // to draw, increasing; those whose door state hides them are left out
-    int cell_count, object_count;
-    int polygon_count;  // in these objects
-    int eye_cell;       // -1: outside all cells, everything is drawn
+    const VisibleCell *cells;      // near to far
+    const int *objects;            // to draw, increasing; those whose door state hides them are left out
+    int cell_count, object_count;  // cell_count 0: all objects in the frustum are drawn
+    int polygon_count;             // in these objects
+    int eye_cell;                  // as it was told
     int portals_tested, objects_tested;
 } VisResult;
 
 // `door_open` [opening_count]: how far each door is open, 0 closed .. 1 wide open (see Leaf), or NULL for all wide open.
 // A door that is not quite closed blocks nothing. An eye on a portal, to a rasteriser's precision, is in the cells on both
 // sides: it sees all that is seen from either. Allocates nothing. The result stays valid until the next query. `cell` is the eye's
-// cell, from vis_locate, or -1; of an eye with `start` it is not asked.
+// cell, from vis_locate, or -1; of an eye with `start` it is not asked. An eye in no cell but in the box of the building, as in a wall that
+// it flies through, sees what lines from it meet that enter free space in a cell within a quarter of a metre. Where there is none, as
+// outside the building, it sees everything in the frustum.
 VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, Culling culling);
 
 #endif

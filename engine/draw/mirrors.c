@@ -330,7 +330,7 @@ static Eye mirror_eye(const MirrorView *v) {
 // place of mirrors that are seen: then the same is asked once more.
 static void mark_visible(Mirrors *m, const Camera *camera, VisResult visible, const float *door_open,
                          Culling culling) {
-    if (visible.eye_cell >= 0 && culling != CULL_STAB) {
+    if (culling != CULL_STAB) {
         Eye eye = walk_eye(camera);
         visible = vis_query(m->query, &eye, visible.eye_cell, door_open, CULL_STAB);
     }

@@ -22,7 +22,7 @@ static bool draw_hidden(Session *s, const Camera *camera, Error *error) {
     const CellGraph *graph = s->shown->scene.graph;
     int count = 0;
     for (int c = 0; c < graph->cell_count; c++) {
-        bool visible = s->visible.eye_cell < 0;
+        bool visible = s->visible.cell_count == 0;
         for (int i = 0; i < s->visible.cell_count && !visible; i++) visible = s->visible.cells[i].cell == c;
         for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1] && !visible; o++)
             s->shown->hidden[count++] = o;

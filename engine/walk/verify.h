@@ -48,8 +48,8 @@ int walk_verify_missing(WalkVerify *verify, const ItemBuffer *items, int *missin
 // from it are left out: of two that lie back to back, the eye sees one. `list` [polygon_count]. Returns how many.
 int walk_opaque_polygons(const CellGraph *graph, const float *door_open, const Vec3 *eye, int *list);
 
-// A random view to be verified: eyes anywhere in free space, in doorways, within millimetres of corners, on and beside
-// portal planes, beside their corners, in the planes of door leaves, outdoors; doors open and closed at random.
+// A random view to be verified: eyes anywhere in free space, in doorways, within millimetres of corners and walls, on and
+// beside portal planes, beside their corners, in the planes of door leaves, outdoors; doors open and closed at random.
 typedef struct RandomView {
     Camera camera;
     int cell;

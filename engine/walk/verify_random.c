@@ -1,5 +1,5 @@
-// verify_random.c - random views from places where visibility is most likely to go wrong. Eyes keep a tenth of a millimetre
-// from solid surfaces: an eye in a wall's own plane would see into the wall, and no answer would be right.
+// verify_random.c - random views from places where visibility is most likely to go wrong. Eyes keep off solid surfaces: an eye in
+// a wall's own plane would see into the wall, and no answer would be right.
 #include <string.h>
 
 #include "engine/sim/door_states.h"
@@ -8,6 +8,8 @@
 // How near the eyes come to corners, metres.
 #define NEAR_LEAST 1e-4
 #define NEAR_MOST 3e-3
+// An eye this near a surface is in it to a rasteriser, which then draws the surface edge-on, metres: GL items do so within 1e-5.
+#define IN_SURFACE 2e-5
 // How often a cell or portal of the wanted kind is looked for.
 #define TRIES 64
 
@@ -83,6 +85,27 @@ static bool corner(const CellGraph *graph, Random *random, Vec3 *eye) {
     return true;
 }
 
+// Beside the surface of a cell.
+static bool at_wall(const CellGraph *graph, Random *random, Vec3 *eye) {
+    int cell = random_index(random, graph->cell_count), first = graph->surface_first[cell],
+        count = graph->surface_first[cell + 1] - first;
+    if (count == 0) return false;
+    const Object *surface = &graph->objects[first + random_index(random, count)];
+    const Polygon *polygon = &graph->polygons[surface->first_polygon];
+    const Vec3 *v = graph->vertices + polygon->first_vertex;
+    Vec3 sum = {0, 0, 0};
+    double weights = 0;
+    for (int i = 0; i < polygon->vertex_count; i++) {
+        double w = -log(1 - random_unit(random)) + 1e-3;
+        sum = vec3_add(sum, vec3_scale(v[i], w));
+        weights += w;
+    }
+    double away = random_between(random, NEAR_LEAST, NEAR_MOST);
+    *eye = vec3_add(vec3_scale(sum, 1 / weights),
+                    vec3_scale(plane_of_polygon(v, polygon->vertex_count).n, away));
+    return true;
+}
+
 static const Portal *random_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
     if (graph->portal_count == 0) return NULL;
     const Portal *portal = &graph->portals[random_index(random, graph->portal_count)];
@@ -147,12 +170,45 @@ static const struct {
              {"room", room},
              {"doorway", doorway},
              {"corner", corner},
+             {"wall", at_wall},
              {"portal", on_portal},
              {"beside portal", beside_portal},
              {"portal corner", portal_corner},
              {"door leaf", door_leaf},
              {"outdoors", outdoors}};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
+
+// Is the point within IN_SURFACE of a polygon of the object?
+static bool touches(const CellGraph *graph, int object, Vec3 p) {
+    if (!box_contains(box_grow(graph->object_boxes[object], IN_SURFACE), p)) return false;
+    const Object *o = &graph->objects[object];
+    for (int i = o->first_polygon; i < o->first_polygon + o->polygon_count; i++) {
+        const Polygon *polygon = &graph->polygons[i];
+        const Vec3 *v = graph->vertices + polygon->first_vertex;
+        Box box = box_empty();
+        for (int k = 0; k < polygon->vertex_count; k++) box = box_add(box, v[k]);
+        if (box_contains(box_grow(box, IN_SURFACE), p) &&
+            fabs(plane_distance(plane_of_polygon(v, polygon->vertex_count), p)) < IN_SURFACE)
+            return true;
+    }
+    return false;
+}
+
+// Is the eye too near a wall of its cell, or of the next? Walls of a soup are among the objects of its cells.
+static bool in_surface(const CellGraph *graph, int cell, Vec3 eye) {
+    const Cell *own = &graph->cells[cell];
+    for (int i = -1; i < own->way_count; i++) {
+        int c = i < 0 ? cell : graph->ways[own->first_way + i].cell;
+        for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++)
+            if (touches(graph, o, eye)) return true;
+    }
+    if (own->face_count == 0) return false;
+    const SquareGrid *grid = &graph->grids[cell];
+    int end = graph->square_first[grid->first_square + grid->nx * grid->ny];
+    for (int k = graph->square_first[grid->first_square]; k < end; k++)
+        if (touches(graph, graph->square_objects[k], eye)) return true;
+    return false;
+}
 
 bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out) {
     int kind = random_index(random, KIND_COUNT), mood = random_index(random, 3);
@@ -171,5 +227,5 @@ bool walk_random_view(const CellGraph *graph, Random *random, int width, int hei
     if (!KINDS[kind].place(graph, random, &eye)) return false;
     out->camera = camera_look(eye, yaw, pitch, fov, width, height);
     out->cell = vis_locate(graph, eye, -1);
-    return out->cell >= 0;
+    return out->cell >= 0 && !in_surface(graph, out->cell, eye);
 }

@@ -470,7 +470,7 @@ static void take_query(const Look *look, int cell, Culling culling) {
     Eye eye = {.position = look->eye, .frustum_count = 1, .on_surface = true};
     eye.frustum[0] = (Plane){look->z, vec3_dot(look->z, look->eye)};
     VisResult result = vis_query(viewer->query, &eye, cell, viewer->door_open, culling);
-    if (viewer->door_words > 0 && result.eye_cell >= 0) note_doors(viewer, &result);
+    if (viewer->door_words > 0 && result.cell_count > 0) note_doors(viewer, &result);
     for (int i = 0; i < result.object_count; i++) {
         fetch_ahead(look->viewer, result.objects + i, result.object_count - i);
         take_object(look, result.objects[i]);

@@ -166,8 +166,8 @@ static void sort_cells(VisQuery *q) {
     q->result.cells = q->cells;
 }
 
-// Through which an eye in `cell` may look. At a portal it may look through the cells beyond it as well: rounding may put
-// it there, and a line from there along the portal's plane is no line from here.
+// The cells that an eye may see whose view begins in these cells: rounding may put it in any of them, and a line from there along a
+// portal's plane is no line from its own.
 static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
     memset(q->joined, 0, (size_t)q->forest->words * sizeof *q->joined);
     for (int i = 0; i < count; i++) cell_rows_join(&q->forest->seen, around[i], q->joined);
@@ -210,16 +210,12 @@ static void walk_from(VisQuery *q, int cell, bool trees) {
     }
 }
 
-// A line from an eye at a portal may begin in another cell than the eye's, where the eye's tree does not hold it. A line that a mirror
-// sends on begins in one of the cells that the mirror touches, each of which is walked from.
+// A line from the eye may begin in any of these cells. Where there are several, portals are walked, each once for all of them. A line that
+// a mirror sends on begins in one of the cells that the mirror touches: they may lie apart, and each has its own tree.
 static void walk(VisQuery *q, const int *around, int count) {
     bool trees = q->culling != CULL_PORTALS;
     q->limit = trees ? visible_set(q, around, count) : q->every_cell;
-    if (q->eye->start_count > 0) {
-        for (int i = 0; i < count; i++) walk_from(q, around[i], trees);
-    } else {
-        walk_from(q, around[0], trees && count == 1);
-    }
+    for (int i = 0; i < count; i++) walk_from(q, around[i], trees && (count == 1 || q->eye->start_count > 0));
 }
 
 VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, Culling culling) {
@@ -240,15 +236,13 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     }
     if (eye->start_count > 0) cell = q->result.eye_cell = eye->start[0];
     if (cell >= 0) prefetch_start(q, cell);
-    int around[MOST_AROUND] = {cell}, count = eye->start_count;
-    if (cell >= 0 && count == 0) {
-        count = query_eye_cells(q->graph, cell, eye, around);
-        if (count == 0) q->result.eye_cell = cell = -1;
-    }
-    if (culling == CULL_NONE || culling == CULL_FRUSTUM || cell < 0) {
-        draw_all(q, culling == CULL_FRUSTUM);
+    int near[MOST_AROUND], count = eye->start_count;
+    const int *around = eye->start_count > 0 ? eye->start : near;
+    if (count == 0) count = query_eye_cells(q->graph, cell, eye, near);
+    if (culling == CULL_NONE || culling == CULL_FRUSTUM || count == 0) {
+        draw_all(q, culling != CULL_NONE);
     } else {
-        walk(q, eye->start_count > 0 ? eye->start : around, count);
+        walk(q, around, count);
     }
     collect_objects(q);
     sort_cells(q);

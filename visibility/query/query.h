@@ -213,9 +213,10 @@ void query_slots_join(const WayBlock *ways, Vec3 eye, const Slots *a, const Slot
 // The cone beyond one of them: in plan only its wedge.
 void query_slot_cone(const Slots *slots, const WayBlock *ways, int lane, Vec3 eye, bool plan, Cone *out);
 
-// query_eye.c: the cells that the eye is in, to a rasteriser's precision, its own first. Returns how many, or 0 where it is
-// at a wall, or there are too many.
-enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
+// query_eye.c: the cells in which the view begins, all at once, the eye's own first. Of an eye on a surface, and of given cells, those
+// that it is in through portals, to a rasteriser's precision; of others those within a millimetre, through walls too; of an eye in no
+// cell (`cell` -1) those close by. Returns how many, or 0 where there are none or too many.
+enum { MOST_AROUND = 64 };
 int query_eye_cells(const CellGraph *graph, int cell, const Eye *eye, int cells[MOST_AROUND]);
 
 // query_walk.c: the walk without trees. Its memory is taken before all queries, after the ways are listed.

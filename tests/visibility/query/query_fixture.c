@@ -91,15 +91,9 @@ static bool is_closed(const Portal *portal, const float *doors) {
     return portal->door >= 0 && doors && doors[portal->door] == 0;
 }
 
-// Follows the line through cells as they are bounded, from whichever holds its beginning. False: given up.
-static bool follow(const CellGraph *g, Line *line) {
-    double at = 0;
-    int cell = -1;
+// Follows the line through cells as they are bounded, on from where it enters a cell. False: given up.
+static bool follow_from(const CellGraph *g, int cell, double at, Line *line) {
     line->count = 0;
-    for (int c = 0; c < g->cell_count && cell < 0; c++) {
-        if (box_contains(box_grow(g->cells[c].box, 1e-5), line->from) && leaves_at(g, c, line, 0) > 0)
-            cell = c;
-    }
     while (cell >= 0 && line->count < 512) {
         line->cells[line->count++] = cell;
         at = leaves_at(g, cell, line, at);
@@ -118,6 +112,16 @@ static bool follow(const CellGraph *g, Line *line) {
         cell = next;
     }
     return true;
+}
+
+// From whichever cell holds its beginning.
+static bool follow(const CellGraph *g, Line *line) {
+    int cell = -1;
+    for (int c = 0; c < g->cell_count && cell < 0; c++) {
+        if (box_contains(box_grow(g->cells[c].box, 1e-5), line->from) && leaves_at(g, c, line, 0) > 0)
+            cell = c;
+    }
+    return follow_from(g, cell, 0, line);
 }
 
 // Follows the line by the portals it pierces alone, from a cell that is told: of given cells no walls are known.
@@ -182,21 +186,33 @@ static Vec3 at_corner(const CellGraph *g, int cell, Random *random) {
                 (c->z0 + c->z1) / 2);
 }
 
-// Is the cell in the visible set of the eye's cell, or of another that it is in to a rasteriser's precision, 2e-5 m?
+double query_check_outside(const CellGraph *g, int c, Vec3 p) {
+    Plane planes[256];
+    int count = query_check_cell_planes(g, c, planes);
+    double off = -INFINITY;
+    for (int i = 0; i < count; i++) off = fmax(off, -plane_distance(planes[i], p));
+    return off;
+}
+
+// The view of an eye in free space may begin in any cell that it is this near to, metres.
+static const double CLEARANCE = 1e-3;
+
+// Is the cell in the visible set of the eye's cell, or of another in which its view may begin?
 static bool may_see(const Made *m, int eye_cell, Vec3 eye, int cell) {
     if (vis_sees(&m->forest, eye_cell, cell)) return true;
     for (int c = 0; c < m->graph.cell_count; c++) {
-        if (vis_sees(&m->forest, c, cell) && box_contains(box_grow(m->graph.cells[c].box, 2e-5), eye))
+        if (vis_sees(&m->forest, c, cell) && box_contains(box_grow(m->graph.cells[c].box, CLEARANCE), eye))
             return true;
     }
     return false;
 }
 
-// Cells that a way without closed doors leads to from those which the eye is in.
+// Cells that a way without closed doors leads to from those in which the view may begin.
 static unsigned char *reachable(const Made *m, Vec3 eye, Arena *arena) {
     const CellGraph *g = &m->graph;
     unsigned char *reached = ARENA_ARRAY(arena, unsigned char, g->cell_count);
-    for (int c = 0; c < g->cell_count; c++) reached[c] = box_contains(box_grow(g->cells[c].box, 2e-5), eye);
+    for (int c = 0; c < g->cell_count; c++)
+        reached[c] = box_contains(box_grow(g->cells[c].box, CLEARANCE), eye);
     for (bool more = true; more;) {
         more = false;
         for (int p = 0; p < g->portal_count; p++) {
@@ -208,14 +224,24 @@ static unsigned char *reachable(const Made *m, Vec3 eye, Arena *arena) {
     return reached;
 }
 
+static void expect_listed(const CellGraph *g, const VisResult *result, Culling culling, const Line *line,
+                          int cell) {
+    for (int i = 0; i < line->count; i++)
+        cr_assert(
+            query_check_lists(result, line->cells[i]),
+            "%s: eye (%.12g, %.12g, %.12g) in cell %d (%d) sees cell %d (%d on its line), which is not found",
+            CULLING_NAMES[culling], line->from.x, line->from.y, line->from.z, cell, g->cell_count,
+            line->cells[i], i);
+}
+
 void query_check_check_eye(Made *m, int cell, Vec3 position, Culling culling, bool given, Random *random,
                            Tally *tally) {
     const CellGraph *g = &m->graph;
     Eye eye = {.position = position};
     VisResult result = vis_query(m->query, &eye, cell, m->doors, culling);
     tally->eyes++;
-    tally->outside += result.eye_cell < 0;
-    if (result.eye_cell < 0) return;  // all is drawn
+    tally->everything += result.cell_count == 0;
+    if (result.cell_count == 0) return;
     for (int i = 0; i < result.cell_count && culling != CULL_PORTALS; i++)
         cr_assert(may_see(m, cell, position, result.cells[i].cell), "cell %d is not in the visible set of %d",
                   result.cells[i].cell, cell);
@@ -234,11 +260,47 @@ void query_check_check_eye(Made *m, int cell, Vec3 position, Culling culling, bo
         if (m->doors && line.count > 0 && line.cells[0] != cell) continue;
         tally->lines++;
         tally->cells += line.count;
-        for (int i = 0; i < line.count; i++)
-            cr_assert(
-                query_check_lists(&result, line.cells[i]),
-                "%s: eye (%.12g, %.12g, %.12g) in cell %d sees cell %d (%d on its line), which is not found",
-                CULLING_NAMES[culling], position.x, position.y, position.z, cell, line.cells[i], i);
+        expect_listed(g, &result, culling, &line, cell);
+    }
+}
+
+// Where the line enters the cell after `after`, or INFINITY where it is in it for no stretch worth the name.
+static double enters_at(const CellGraph *g, int c, const Line *line, double after) {
+    Plane planes[256];
+    double in = after, out = INFINITY;
+    int count = query_check_cell_planes(g, c, planes);
+    for (int i = 0; i < count; i++) {
+        double off = plane_distance(planes[i], line->from), rate = vec3_dot(planes[i].n, line->way);
+        if (rate > 0) in = fmax(in, -off / rate);
+        if (rate < 0) out = fmin(out, -off / rate);
+        if (rate == 0 && off < 0) return INFINITY;
+    }
+    return out > in + 10 * DOUBTFUL ? in : INFINITY;
+}
+
+void query_check_look_from(Made *m, int cell, Vec3 position, Culling culling, Random *random, Tally *tally) {
+    enum { LINES = 40 };
+    const CellGraph *g = &m->graph;
+    // In no cell, the cells a quarter of a metre away; else those at a millimetre, but for rounding.
+    double near = cell < 0 ? 0.2499 : 0.999e-3;
+    VisResult result = vis_query(m->query, &(Eye){.position = position}, cell, m->doors, culling);
+    tally->eyes++;
+    tally->everything += result.cell_count == 0;
+    if (result.cell_count == 0) return;
+    for (int c = 0; c < g->cell_count; c++) {
+        if (query_check_outside(g, c, position) >= near ||
+            !box_contains(box_grow(g->cells[c].box, near), position))
+            continue;
+        tally->begun += c != cell;
+        for (int k = 0; k < LINES; k++) {
+            Line line = {.from = position, .way = fixture_direction(random), .doors = m->doors};
+            line.way.z *= 0.2;
+            double at = enters_at(g, c, &line, 0);
+            if (!isfinite(at) || !follow_from(g, c, at, &line)) continue;
+            tally->lines++;
+            tally->cells += line.count;
+            expect_listed(g, &result, culling, &line, cell);
+        }
     }
 }
 

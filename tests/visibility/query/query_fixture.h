@@ -32,14 +32,23 @@ Vec3 query_check_in_portal(const CellGraph *g, const Portal *portal, Random *ran
 // On a portal of a cell, or 1e-9 m before or behind it.
 Vec3 query_check_at_portal(const CellGraph *g, int cell, Random *random);
 
+// How far the point is outside the planes of a cell, metres; negative inside.
+double query_check_outside(const CellGraph *g, int c, Vec3 p);
+
 typedef struct Tally {
-    long lines, cells, eyes, outside;
-    long shut;  // pairs of a cell and one that only closed doors hide from it
+    long lines, cells, eyes;
+    long everything;  // eyes for which all is drawn
+    long begun;       // cells that the eye is not in, in which its view begins
+    long shut;        // pairs of a cell and one that only closed doors hide from it
 } Tally;
 
 // All cells that lines from the eye enter are found, and none but those that the eye's cell may see.
 void query_check_check_eye(Made *m, int cell, Vec3 position, Culling culling, bool given, Random *random,
                            Tally *tally);
+
+// All cells are found that lines from the eye enter on from any cell in which its view begins, whatever lies between. `cell` -1: the
+// eye is in none.
+void query_check_look_from(Made *m, int cell, Vec3 position, Culling culling, Random *random, Tally *tally);
 
 void query_check_check_eyes(Made *m, int eyes, bool given, Random *random, Tally *tally);
 

@@ -4,6 +4,8 @@
 // The searches of `flow` try a real line wherever they come upon a cell in doubt. A line proves all pairs of the cells on
 // its way at once, and proven cells are not looked for again: most of the work that is left goes into cells that are
 // truly hidden.
+#include "visibility/pairs/cast.h"
+#include "visibility/pairs/merged.h"
 #include "visibility/pairs/settle.h"
 #include "visibility/pairs/sight.h"
 
@@ -26,13 +28,15 @@ static void seen(Flow *flow, int depth) {
 }
 
 // Where much is in doubt a look from the middle of the portal decides most of it.
-static void look_from_middle(Flow *flow, int way) {
+static bool search_chains(Flow *flow, int way) {
     enum { MUCH = 32 };
     int doubts = 0;
     for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
-    if (doubts < MUCH) return;
-    flow->point = flow->ways->ways[way].facet.middle;
-    flow_look(flow, way, seen);
+    if (doubts >= MUCH) {
+        flow->point = flow->ways->ways[way].facet.middle;
+        flow_look(flow, way, seen);
+    }
+    return flow_search(flow, way);
 }
 
 // Neighbours see each other through the middle of their portal.
@@ -53,8 +57,13 @@ static void proof_find(const CellGraph *graph, const PairOptions *options, const
                        Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
+    Cast cast;
+    cast_build(&rounds.ways, &rounds.scratch, &cast);
+    rounds.cast = &cast;
     prove_neighbours(&rounds);
-    rounds_search(&rounds, look_from_middle, try_line);
+    cast_from_portals(&rounds);
+    if (!rounds.stopped) rounds_search(&rounds, merged_search, NULL);
+    if (!rounds.stopped) rounds_search(&rounds, search_chains, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }

@@ -140,7 +140,7 @@ static bool read_head(Scan *t, Building *b, Error *error) {
 
 static bool read(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     Scan t = scan_begin(path, content);
-    *out = (Building){.form = FORM_CELLS, .map = out->map};
+    *out = (Building){.form = FORM_CELLS, .map = out->map, .file_size = out->file_size};
     if (!read_head(&t, out, error)) return false;
     int told = out->given_portal_count, capacity = 0;
     out->given_portal_count = 0;

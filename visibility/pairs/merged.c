@@ -239,6 +239,15 @@ static void come_to(Flow *flow, const Beam *beam) {
     row_drop(flow->unknown, cell);
 }
 
+// May a line that came out of cell `source` through the first way go on through `next`, as far as it is known by now? Then the cell
+// beyond may be seen through the first way, and that cell through the way back.
+static bool may_pass(const Flow *flow, int source, int next) {
+    size_t words = (size_t)flow->ways->words;
+    int to = flow->ways->ways[next].to;
+    return to != source && row_has(flow->might + (size_t)flow->merged->first.way * words, to) &&
+           row_has(flow->might + (size_t)(next ^ 1) * words, source);
+}
+
 static void look_through(Flow *flow, const Reach *reach) {
     Merged *m = flow->merged;
     const WayGraph *ways = flow->ways;
@@ -256,7 +265,7 @@ static void look_through(Flow *flow, const Reach *reach) {
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->spent < flow->allowed; i++) {
         int next = ways->list[i];
         uint64_t cutting;
-        if (next == (way ^ 1) || ways->ways[next].to == source || is_whole(m, next)) continue;
+        if (next == (way ^ 1) || !may_pass(flow, source, next) || is_whole(m, next)) continue;
         if (beam_ball(&ways->ways[next], here->planes, here->plane_count, &cutting) < 0) continue;
         if (!leads_on(flow, next)) continue;
         flow->spent += WORK_CLIP;

@@ -28,7 +28,7 @@ static void seen(Flow *flow, int depth) {
 }
 
 // Where much is in doubt a look from the middle of the portal decides most of it.
-static bool search_chains(Flow *flow, int way) {
+static void look_from_middle(Flow *flow, int way) {
     enum { MUCH = 32 };
     int doubts = 0;
     for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
@@ -36,7 +36,16 @@ static bool search_chains(Flow *flow, int way) {
         flow->point = flow->ways->ways[way].facet.middle;
         flow_look(flow, way, seen);
     }
+}
+
+static bool search_chains(Flow *flow, int way) {
+    look_from_middle(flow, way);
     return flow_search(flow, way);
+}
+
+static bool search_merged(Flow *flow, int way) {
+    look_from_middle(flow, way);
+    return merged_search(flow, way);
 }
 
 // Neighbours see each other through the middle of their portal.
@@ -62,7 +71,7 @@ static void proof_find(const CellGraph *graph, const PairOptions *options, const
     rounds.cast = &cast;
     prove_neighbours(&rounds);
     cast_from_portals(&rounds);
-    if (!rounds.stopped) rounds_search(&rounds, merged_search, NULL);
+    if (!rounds.stopped) rounds_search(&rounds, search_merged, NULL);
     if (!rounds.stopped) rounds_search(&rounds, search_chains, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);

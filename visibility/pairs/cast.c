@@ -86,6 +86,7 @@ bool cast_line(const Cast *cast, int way, Vec3 point, Vec3 direction, CastPath *
 }
 
 void cast_record(const CastPath *path, Vec3 point, Vec3 direction, Finding *finding) {
+    if (path->count < 3) return;  // neighbours, between whose places no line need be
     for (int i = 0; i + 1 < path->count; i++) {
         Vec3 from = vec3_add(point, vec3_scale(direction, path->places[i]));
         for (int k = i + 1; k < path->count; k++) {

@@ -34,7 +34,7 @@ CastPath cast_path(const WayGraph *ways, Arena *arena);
 // False when it does not even pass that portal. All cells on the path see each other.
 bool cast_line(const Cast *cast, int way, Vec3 point, Vec3 direction, CastPath *path);
 
-// Adds all pairs of cells on the path to the finding.
+// Adds all pairs of cells on the path to the finding; but a path of two cells adds none, see prove_neighbours.
 void cast_record(const CastPath *path, Vec3 point, Vec3 direction, Finding *finding);
 
 // Casts random lines from all portals, the same on any number of threads, and takes all pairs that they prove.

@@ -1,9 +1,10 @@
 // proof.c - the method `proof`: every pair is excluded by separating planes or proven by a sightline, but for the few
 // that rounding or the patience of settle.c leave open.
 //
-// The searches of `flow` try a real line wherever they come upon a cell in doubt. A line proves all pairs of the cells on
-// its way at once, and proven cells are not looked for again: most of the work that is left goes into cells that are
-// truly hidden.
+// Lines are cast first, and tried wherever a search comes upon a cell in doubt. A line proves all pairs of the cells on its way at
+// once, and proven cells are not looked for again: most of the work that is left goes into cells that are truly hidden. Most of
+// these are excluded by the merged search (merged.h), whose time does not grow with the number of chains; the search along chains,
+// which is finer, has only the rest to decide, and settle.c what that leaves.
 #include "visibility/pairs/cast.h"
 #include "visibility/pairs/merged.h"
 #include "visibility/pairs/settle.h"
@@ -62,6 +63,9 @@ static void prove_neighbours(Rounds *r) {
     }
 }
 
+// Its time is polynomial: it may go on to the end.
+static const double WORK_MERGED = 6e9;
+
 static void proof_find(const CellGraph *graph, const PairOptions *options, const Progress *progress,
                        Arena *arena, PairSet *out) {
     Rounds rounds;
@@ -71,8 +75,8 @@ static void proof_find(const CellGraph *graph, const PairOptions *options, const
     rounds.cast = &cast;
     prove_neighbours(&rounds);
     cast_from_portals(&rounds);
-    if (!rounds.stopped) rounds_search(&rounds, search_merged, NULL);
-    if (!rounds.stopped) rounds_search(&rounds, search_chains, try_line);
+    if (!rounds.stopped) rounds_search(&rounds, WORK_MERGED, search_merged, NULL);
+    if (!rounds.stopped) rounds_search(&rounds, ROUNDS_WORK, search_chains, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }

@@ -255,9 +255,8 @@ static long long patience(int searches) {
     return share < LEAST ? LEAST : share > MOST ? MOST : share;
 }
 
-static const double WORK = 8e8;  // of all searches, see ways_work
-
-void rounds_search(Rounds *r, bool (*search)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
+void rounds_search(Rounds *r, double work, bool (*search)(Flow *flow, int way),
+                   void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
     Arena scratch = {0};
     int count = ways->way_count, size = round_size(ways);
@@ -268,7 +267,7 @@ void rounds_search(Rounds *r, bool (*search)(Flow *flow, int way), void (*arrive
                    .order = ARENA_ARRAY(&scratch, Turn, size),
                    .kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words),
                    .total = count,
-                   .left = ways_work(ways, WORK)};
+                   .left = ways_work(ways, work)};
     for (int i = 0; i < count; i++) turns[i].way = i;
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);

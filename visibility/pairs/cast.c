@@ -44,7 +44,7 @@ static double crossing(const WayShape *way, const CastRay *ray) {
 }
 
 // From `cell`, which the ray enters at `at`, to the end: appends the cells and the places where the ray leaves each.
-static void follow(const Cast *cast, const CastRay *ray, int cell, double at, CastPath *path) {
+static void cast_on(const Cast *cast, const CastRay *ray, int cell, double at, CastPath *path) {
     const WayGraph *ways = cast->ways;
     for (bool on = true; on;) {
         on = false;
@@ -71,7 +71,7 @@ bool cast_line(const Cast *cast, int way, Vec3 point, Vec3 direction, CastPath *
     if (!passes(cast, way, &ahead)) return false;
     CastRay back = {point, vec3_scale(direction, -1), vec3_scale(ahead.moment, -1)};
     path->count = 0;
-    follow(cast, &back, start->from, 0, path);
+    cast_on(cast, &back, start->from, 0, path);
     for (int i = 0, k = path->count - 1; i <= k; i++, k--) {
         int cell = path->cells[i];
         double place = path->places[i];
@@ -81,7 +81,7 @@ bool cast_line(const Cast *cast, int way, Vec3 point, Vec3 direction, CastPath *
         path->places[k] = -place;
     }
     path->source = path->count - 1;
-    follow(cast, &ahead, start->to, 0, path);
+    cast_on(cast, &ahead, start->to, 0, path);
     return true;
 }
 

@@ -56,8 +56,9 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
-// One search from every way: flow_search or one like it. All of them may do `work` (see ways_work). `arrive` is that of Flow, whose context is a Finding. In closed buildings a search follows thousands of chains; in the open, where
-// there are millions, it is given up, and pairs in doubt stay so; likewise when all allowed work is done.
+// One search from every way: flow_search or one like it. All of them may do `work` (see ways_work). `arrive` is that of Flow, whose
+// context is a Finding. In closed buildings a search along chains follows thousands; in the open, where there are millions, it is given
+// up, and pairs in doubt stay so; likewise when all allowed work is done.
 #define ROUNDS_WORK 8e8  // the usual work of a search along chains
 void rounds_search(Rounds *rounds, double work, bool (*search)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));

@@ -87,8 +87,7 @@ Test(pairs, merged_chains_err_towards_visible) {
     }
 }
 
-// Proves that wide open space, in which millions of chains lead from cell to cell, leaves hardly a pair undecided, in the same bytes
-// on any number of threads.
+// Proves that wide open space leaves hardly a pair undecided, in the same bytes on any number of threads.
 Test(pairs, the_open_is_decided, .timeout = 300) {
     Arena arena = {0};
     Random random = {32};

@@ -202,7 +202,7 @@ static bool read_leaves(Scan *t, PrtKind kind, const Building *b, Arena *arena, 
 
 bool prt_read(const char *path, Bytes content, Arena *arena, Building *out, PrtLeaves *leaves, Error *error) {
     Scan t = scan_begin(path, content);
-    *out = (Building){.form = FORM_CELLS, .map = out->map};
+    *out = (Building){.form = FORM_CELLS, .map = out->map, .file_size = out->file_size};
     *leaves = (PrtLeaves){0};
     PrtKind kind;
     if (!read_head(&t, out, &kind, leaves, error) || !read_portals(&t, arena, out, error) ||

@@ -18,6 +18,8 @@ typedef struct FlowStep {
     Vec3 place;      // of sight_record: on a sightline, in the cell that the way leaves
 } FlowStep;
 
+typedef struct Merged Merged;
+
 // One thread's search. Give it back with flow_free.
 typedef struct Flow {
     const WayGraph *ways;
@@ -33,6 +35,7 @@ typedef struct Flow {
     long long left;      // of the patience
     long long spent, allowed;  // work of one search (ways_work), and how much it may do
     ChainWork work;
+    Merged *merged;  // of merged.c: its memory, made when first needed
     Arena arena;
 } Flow;
 
@@ -46,6 +49,9 @@ bool flow_search(Flow *flow, int way);
 // The same for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls
 // `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
+
+// Does any of the box lie in the beam, as far as its planes tell?
+bool flow_box_in_beam(Box box, const Beam *beam);
 
 // Planes through the eye and the edges of a winding ahead of it, which keep its inside. Returns how many.
 int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out);

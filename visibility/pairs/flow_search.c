@@ -27,9 +27,9 @@ static FlowStep *step_at(Flow *flow, int depth) {
     return flow->steps[depth];
 }
 
-static bool box_in_beam(Box box, const FlowStep *step) {
-    for (int i = 0; i < step->beam.plane_count; i++) {
-        const Separator *s = &step->beam.planes[i];
+bool flow_box_in_beam(Box box, const Beam *beam) {
+    for (int i = 0; i < beam->plane_count; i++) {
+        const Separator *s = &beam->planes[i];
         double x = s->n.x > 0 ? box.max.x : box.min.x, y = s->n.y > 0 ? box.max.y : box.min.y,
                z = s->n.z > 0 ? box.max.z : box.min.z;
         if (s->n.x * x + s->n.y * y + s->n.z * z - s->d <= s->slack) return false;
@@ -46,7 +46,7 @@ static bool keep_in_beam(Flow *flow, FlowStep *step) {
         for (uint64_t bits = left; bits; bits &= bits - 1) {
             int cell = step->word[i] * 64 + __builtin_ctzll(bits);
             flow->spent += WORK_BOX;
-            if (!box_in_beam(flow->ways->boxes[cell], step)) left &= ~(bits & -bits);
+            if (!flow_box_in_beam(flow->ways->boxes[cell], &step->beam)) left &= ~(bits & -bits);
         }
         step->word[kept] = step->word[i];
         step->bits[kept] = left;

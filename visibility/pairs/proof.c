@@ -1,9 +1,12 @@
 // proof.c - the method `proof`: every pair is excluded by separating planes or proven by a sightline, but for the few
 // that rounding or the patience of settle.c leave open.
 //
-// The searches of `flow` try a real line wherever they come upon a cell in doubt. A line proves all pairs of the cells on
-// its way at once, and proven cells are not looked for again: most of the work that is left goes into cells that are
-// truly hidden.
+// Lines are cast first, and tried wherever a search comes upon a cell in doubt. A line proves all pairs of the cells on its way at
+// once, and proven cells are not looked for again: most of the work that is left goes into cells that are truly hidden. Most of
+// these are excluded by the merged search (merged.h), whose time does not grow with the number of chains; the search along chains,
+// which is finer, has only the rest to decide, and settle.c what that leaves.
+#include "visibility/pairs/cast.h"
+#include "visibility/pairs/merged.h"
 #include "visibility/pairs/settle.h"
 #include "visibility/pairs/sight.h"
 
@@ -30,9 +33,20 @@ static void look_from_middle(Flow *flow, int way) {
     enum { MUCH = 32 };
     int doubts = 0;
     for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
-    if (doubts < MUCH) return;
-    flow->point = flow->ways->ways[way].facet.middle;
-    flow_look(flow, way, seen);
+    if (doubts >= MUCH) {
+        flow->point = flow->ways->ways[way].facet.middle;
+        flow_look(flow, way, seen);
+    }
+}
+
+static bool search_chains(Flow *flow, int way) {
+    look_from_middle(flow, way);
+    return flow_search(flow, way);
+}
+
+static bool search_merged(Flow *flow, int way) {
+    look_from_middle(flow, way);
+    return merged_search(flow, way);
 }
 
 // Neighbours see each other through the middle of their portal.
@@ -49,12 +63,20 @@ static void prove_neighbours(Rounds *r) {
     }
 }
 
+// Its time is polynomial: it may go on to the end.
+static const double WORK_MERGED = 6e9;
+
 static void proof_find(const CellGraph *graph, const PairOptions *options, const Progress *progress,
                        Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
+    Cast cast;
+    cast_build(&rounds.ways, &rounds.scratch, &cast);
+    rounds.cast = &cast;
     prove_neighbours(&rounds);
-    rounds_search(&rounds, look_from_middle, try_line);
+    cast_from_portals(&rounds);
+    if (!rounds.stopped) rounds_search(&rounds, WORK_MERGED, search_merged, NULL);
+    if (!rounds.stopped) rounds_search(&rounds, ROUNDS_WORK, search_chains, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }

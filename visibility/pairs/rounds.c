@@ -117,7 +117,7 @@ static void sort_turns(const Rounds *r, Turn *turns, int count) {
 }
 
 // Searches from one way; reads only the findings from before the round.
-static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
+static void search_way(Flow *flow, const Rounds *r, int index, Finding *finding) {
     const WayGraph *ways = &r->ways;
     const WayShape *way = &ways->ways[index];
     const uint64_t *might = might_row(r, index), *proven = set_row(r, r->set->proven, way->from);
@@ -134,8 +134,7 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     flow->work = (ChainWork){0};
     flow->spent = 0;
     flow->context = finding;
-    if (r->prepare) r->prepare(flow, index);
-    if (!flow_search(flow, index)) {
+    if (!r->search(flow, index)) {
         flow->work.given_up++;
         for (int k = 0; k < ways->words; k++) finding->kept[k] |= flow->unknown[k];
     }
@@ -208,7 +207,7 @@ static void search_turn(void *context, int index, int thread) {
     *finding = (Finding){.rounds = r,
                          .source = r->ways.ways[way].from,
                          .kept = round->kept + (size_t)index * (size_t)r->ways.words};
-    search(&round->flows[thread], r, way, finding);
+    search_way(&round->flows[thread], r, way, finding);
     finding->done = true;
 }
 
@@ -257,9 +256,8 @@ static long long patience(int searches) {
     return share < LEAST ? LEAST : share > MOST ? MOST : share;
 }
 
-static const double WORK = 8e8;  // of all searches, see ways_work
-
-void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
+void rounds_search(Rounds *r, double work, bool (*search)(Flow *flow, int way),
+                   void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
     Arena scratch = {0};
     int count = ways->way_count, size = round_size(ways);
@@ -270,14 +268,14 @@ void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arriv
                    .order = ARENA_ARRAY(&scratch, Turn, size),
                    .kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words),
                    .total = count,
-                   .left = ways_work(ways, WORK)};
+                   .left = ways_work(ways, work)};
     for (int i = 0; i < count; i++) turns[i].way = i;
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);
         round.flows[i].arrive = arrive;
         round.flows[i].patience = patience(count);
     }
-    r->prepare = prepare;
+    r->search = search;
     for (int first = 0; first < count && !r->stopped; first += size) {
         if (first / size % SORT_EVERY == 0) sort_turns(r, turns + first, count - first);
         round.turns = turns + first;

@@ -8,6 +8,8 @@
 
 #include "visibility/pairs/flow.h"
 
+typedef struct Cast Cast;
+
 // The knowledge so far of a building, which only ever grows tighter.
 typedef struct Rounds {
     const PairOptions *options;
@@ -20,8 +22,9 @@ typedef struct Rounds {
     bool stopped;
     int threads;
     pthread_mutex_t lock;  // of `progress` and `stopped`
-    void (*prepare)(Flow *flow, int way);
-    Arena *arena;  // of the caller, for the result
+    bool (*search)(Flow *flow, int way);
+    const Cast *cast;  // of cast.h, where lines are cast
+    Arena *arena;      // of the caller, for the result
     Arena scratch;
 } Rounds;
 
@@ -53,10 +56,11 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
-// One search from every way. `arrive` is that of Flow, whose context is a Finding; `prepare` (may be NULL) is called
-// before each search, to decide easy pairs. In closed buildings a search follows thousands of chains; in the open, where
-// there are millions, it is given up, and pairs in doubt stay so; likewise when all allowed work is done.
-void rounds_search(Rounds *rounds, void (*prepare)(Flow *flow, int way),
+// One search from every way: flow_search or one like it. All of them may do `work` (see ways_work). `arrive` is that of Flow, whose
+// context is a Finding. In closed buildings a search along chains follows thousands; in the open, where there are millions, it is given
+// up, and pairs in doubt stay so; likewise when all allowed work is done.
+#define ROUNDS_WORK 8e8  // the usual work of a search along chains
+void rounds_search(Rounds *rounds, double work, bool (*search)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));
 // Takes pairs as proven; `lines` are asked for where witnesses are kept.
 void rounds_prove(Rounds *rounds, const PairEnds *pairs, const Sight *lines, int count);

@@ -10,7 +10,7 @@
 #include "visibility/pairs/sight.h"
 
 // Pieces of one chain; beyond that the pair stays undecided.
-enum { MOST_PIECES = 96 };
+enum { MOST_PIECES = 128 };
 // A piece takes as long as so many chains.
 enum { PIECE_CHAINS = 15 };
 // And so much work a portal, see ways_work; of all cases together.

@@ -134,7 +134,7 @@ static PairSet search_with(const CellGraph *graph, double scale, Arena *arena) {
     Rounds rounds;
     rounds_start(&rounds, graph, &options, NULL, arena, &set);
     rounds.ways.scale = scale;
-    rounds_search(&rounds, NULL, arrive);
+    rounds_search(&rounds, ROUNDS_WORK, flow_search, arrive);
     rounds_end(&rounds);
     return set;
 }

@@ -21,7 +21,21 @@ static void surround(Plane plane, const Vec3 *corners, int count, Vec3 out[4]) {
     }
 }
 
-static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena, WayShape *way) {
+static const double *way_rows(const Vec3 *corners, int count, Arena *arena) {
+    int row = way_row(count);
+    double *rows = ARENA_ARRAY(arena, double, 3 * row);
+    for (int i = 0; i < row; i++) {
+        Vec3 p = corners[i < count ? i : 0];
+        rows[i] = p.x, rows[row + i] = p.y, rows[2 * row + i] = p.z;
+    }
+    return rows;
+}
+
+// `size` is that of the building.
+static void set_way(const CellGraph *graph, Vec3 origin, double size, int index, Arena *arena,
+                    WayShape *way) {
+    // A plane that is sure to so many epsilons throughout the building is as good as exact.
+    static const double EXACT = 1e-2;
     const Portal *portal = &graph->portals[index / 2];
     bool back = index % 2;
     const Vec3 *given = graph->portal_vertices + portal->first_vertex;
@@ -48,12 +62,15 @@ static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena
     double area = polygon_area(corners, count);
     way->corners = corners;
     way->corner_count = count;
+    way->rows = way_rows(corners, count, arena);
     for (int i = 0; i < count; i++)
         way->facet.middle = vec3_add(way->facet.middle, vec3_scale(corners[i], 1.0 / count));
     for (int i = 0; i < count; i++)
         way->radius = fmax(way->radius, vec3_length(vec3_sub(corners[i], way->facet.middle)));
     // Over its width, area / (2 radius), the plane is sure to within the bend; beyond, the error grows with distance.
     way->facet.tilt = 2 * way->facet.bend * way->radius / fmax(area, 1e-300);
+    if (way->facet.bend + way->facet.tilt * size <= EXACT * WAY_EPSILON * size)
+        way->facet.bend = way->facet.tilt = 0;
 }
 
 static double work_scale(const Building *building) {
@@ -83,7 +100,7 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
     for (int c = 0; c < cells; c++) out->boxes[c] = box_empty();
     for (int i = 0; i < ways; i++) {
         WayShape *way = &out->ways[i];
-        set_way(graph, origin, i, arena, way);
+        set_way(graph, origin, size, i, arena, way);
         out->first[way->from + 1]++;
         for (int k = 0; k < way->corner_count; k++)
             out->boxes[way->from] = box_add(out->boxes[way->from], way->corners[k]);

@@ -13,6 +13,8 @@ typedef struct WayShape {
     int from, to;
     Facet facet;          // of the portal, normal into `to`
     const Vec3 *corners;  // [corner_count] counter-clockwise about the normal
+    // The same as the rows of a winding: x, then y, then z, with the first corner's copies as far as whole blocks need them.
+    const double *rows;
     int corner_count;
     bool coarse;    // the portal has more corners than a winding should: these are of a rectangle around it
     double radius;  // around the facet's middle
@@ -51,10 +53,19 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
 // Is the portal a segment in plan: upright, with all its corners on the line between its ends, within `epsilon` metres?
 bool way_is_segment(const CellGraph *graph, int way, double epsilon);
 
+// Numbers in each of the rows of a way.
+static inline int way_row(int corner_count) { return (corner_count / FOUR + 1) * FOUR; }
+
 static inline void way_winding(const WayShape *way, Winding *out) {
-    out->facet = way->facet;
+    int row = way_row(way->corner_count);
+    const double *x = way->rows, *y = x + row, *z = y + row;
+    out->facet = &way->facet;
     out->count = way->corner_count;
-    memcpy(out->p, way->corners, (size_t)way->corner_count * sizeof *out->p);
+    for (int i = 0; i < row; i += FOUR) {
+        four_store(out->x + i, four_load(x + i));
+        four_store(out->y + i, four_load(y + i));
+        four_store(out->z + i, four_load(z + i));
+    }
 }
 
 // How far the plane of `way` may be off where `other` is, metres.

@@ -47,8 +47,8 @@ bool flow_search(Flow *flow, int way);
 // `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
 
-// Planes through the eye and the edges of a winding ahead of it, which keep its inside. Returns how many.
-int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out);
+// Planes through the eye and the edges of a winding ahead of it, which keep its inside.
+void flow_cone(Vec3 eye, const Winding *through, Separators *out);
 
 // The cell that chain steps[0 .. depth] leads into.
 static inline int flow_cell(const Flow *flow, int depth) {

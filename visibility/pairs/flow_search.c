@@ -27,12 +27,13 @@ static FlowStep *step_at(Flow *flow, int depth) {
     return flow->steps[depth];
 }
 
-static bool box_in_beam(Box box, const FlowStep *step) {
-    for (int i = 0; i < step->beam.plane_count; i++) {
-        const Separator *s = &step->beam.planes[i];
-        double x = s->n.x > 0 ? box.max.x : box.min.x, y = s->n.y > 0 ? box.max.y : box.min.y,
-               z = s->n.z > 0 ? box.max.z : box.min.z;
-        if (s->n.x * x + s->n.y * y + s->n.z * z - s->d <= s->slack) return false;
+static bool box_in_beam(Box box, const Separators *planes, double epsilon) {
+    Vec3 half = vec3_scale(vec3_sub(box.max, box.min), 0.5), middle = vec3_add(box.min, half);
+    for (int i = 0; i < planes->count; i += FOUR) {
+        Four x = four_load(planes->x + i), y = four_load(planes->y + i), z = four_load(planes->z + i);
+        Four at = x * middle.x + y * middle.y + z * middle.z - four_load(planes->d + i);
+        Four reach = four_abs(x) * half.x + four_abs(y) * half.y + four_abs(z) * half.z;
+        if (four_lanes(at + reach <= epsilon)) return false;
     }
     return true;
 }
@@ -46,7 +47,8 @@ static bool keep_in_beam(Flow *flow, FlowStep *step) {
         for (uint64_t bits = left; bits; bits &= bits - 1) {
             int cell = step->word[i] * 64 + __builtin_ctzll(bits);
             flow->spent += WORK_BOX;
-            if (!box_in_beam(flow->ways->boxes[cell], step)) left &= ~(bits & -bits);
+            if (!box_in_beam(flow->ways->boxes[cell], &step->beam.planes, flow->ways->epsilon))
+                left &= ~(bits & -bits);
         }
         step->word[kept] = step->word[i];
         step->bits[kept] = left;
@@ -83,7 +85,7 @@ static void want_unknown(const Flow *flow, FlowStep *out) {
 // Clips the portal of the way and the source through which it is seen. False when nothing is left.
 static bool narrow(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
     uint64_t cutting;
-    if (beam_ball(&flow->ways->ways[way], from->beam.planes, from->beam.plane_count, &cutting) < 0)
+    if (beam_meets(&flow->ways->ways[way], &from->beam.planes, flow->ways->epsilon, &cutting) < 0)
         return false;
     flow->spent += WORK_NARROW;
     step->recorded = false;
@@ -97,8 +99,8 @@ static void follow_chain(Flow *flow, int depth) {
     int cell = flow_cell(flow, depth);
     if (row_has(flow->unknown, cell)) flow->arrive(flow, depth);
     Beam *beam = &step->beam;
-    if (depth > 0) beam->plane_count = beam_planes(&beam->source, &beam->pass, ways->epsilon, beam->planes);
-    flow->work.separators += beam->plane_count;
+    if (depth > 0) beam_planes(&beam->source, &beam->pass, ways->epsilon, &beam->planes);
+    flow->work.separators += beam->planes.count;
     flow->spent += WORK_PLANES;
     if (!keep_in_beam(flow, step)) return;
     FlowStep *next = step_at(flow, depth + 1);
@@ -133,14 +135,13 @@ bool flow_search(Flow *flow, int way) {
     return flow->left > 0 && has_work(flow);
 }
 
-int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) {
+void flow_cone(Vec3 eye, const Winding *through, Separators *out) {
+    out->count = 0;
     for (int i = 0; i < through->count; i++) {
-        Vec3 a = vec3_sub(through->p[i], eye),
-             b = vec3_sub(through->p[i + 1 == through->count ? 0 : i + 1], eye);
+        Vec3 a = vec3_sub(winding_corner(through, i), eye), b = vec3_sub(winding_corner(through, i + 1), eye);
         // The winding is counter-clockwise about the direction of sight: its inside is to the left of each edge.
-        out[i] = separator_of(vec3_cross(a, b), eye, epsilon);
+        separators_add(out, vec3_cross(a, b), eye);
     }
-    return through->count;
 }
 
 // The part of the way's portal that is seen from the point; false where there is none.
@@ -154,12 +155,10 @@ static bool narrow_cone(Flow *flow, const FlowStep *from, int way, FlowStep *ste
     flow->spent += WORK_NARROW;
     if (plane_distance(here->facet.plane, point) > -epsilon - facet_doubt(&here->facet, point)) return false;
     uint64_t cutting;
-    if (beam_ball(here, from->beam.planes, from->beam.plane_count, &cutting) < 0) return false;
+    if (beam_meets(here, &from->beam.planes, epsilon, &cutting) < 0) return false;
     way_winding(here, &beam->pass);
-    for (; cutting; cutting &= cutting - 1) {
-        if (!winding_clip(&beam->pass, from->beam.planes[__builtin_ctzll(cutting)])) return false;
-    }
-    beam->plane_count = flow_cone(point, &beam->pass, epsilon, beam->planes);
+    if (!beam_cut(&beam->pass, &from->beam.planes, cutting, epsilon)) return false;
+    flow_cone(point, &beam->pass, &beam->planes);
     return true;
 }
 

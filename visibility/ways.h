@@ -20,11 +20,20 @@ typedef struct WayShape {
     double radius;  // around the facet's middle
 } WayShape;
 
+// Ways in the order of WayGraph.list, number by number for four at a time: each array is [way_count + FOUR].
+typedef struct WayRows {
+    double *x, *y, *z, *radius;  // the ball around the portal
+    double *nx, *ny, *nz, *d;    // its plane
+    double *doubt;               // 0 where the plane is sure, else infinite
+} WayRows;
+
 // Coordinates are relative to the middle of the building, so that one far from the origin loses no digits twice.
 typedef struct WayGraph {
     WayShape *ways;  // [way_count]
     int *first;      // [cell_count + 1] the ways out of cell c are list[first[c]] ..
     int *list;       // [way_count]
+    int *to;         // [way_count + FOUR] the cells that those of `list` lead into
+    WayRows rows;    // of `list`
     Box *boxes;      // [cell_count] of a cell's portals: whatever enters or leaves a cell does so within it
     Vec3 origin;     // the point that was subtracted
     double epsilon;  // metres: see WAY_EPSILON
@@ -76,5 +85,9 @@ static inline double way_doubt(const WayShape *way, const WayShape *other) {
 static inline bool row_has(const uint64_t *row, int cell) { return row[cell / 64] >> (cell % 64) & 1; }
 static inline void row_add(uint64_t *row, int cell) { row[cell / 64] |= (uint64_t)1 << (cell % 64); }
 static inline void row_drop(uint64_t *row, int cell) { row[cell / 64] &= ~((uint64_t)1 << (cell % 64)); }
+static inline void row_add_all(uint64_t *row, int cell_count) {
+    for (int k = 0; k < cell_count / 64; k++) row[k] = UINT64_MAX;
+    if (cell_count % 64) row[cell_count / 64] = ((uint64_t)1 << (cell_count % 64)) - 1;
+}
 
 #endif

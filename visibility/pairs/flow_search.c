@@ -73,6 +73,13 @@ static bool want(Flow *flow, const FlowStep *from, int way, FlowStep *to) {
     return to->word_count > 0;
 }
 
+// A line that comes through the first way and this one leads back, seen the other way round, into the cell that it came from.
+static bool leads_back(const Flow *flow, int way) {
+    const WayGraph *ways = flow->ways;
+    const uint64_t *back = flow->might + (size_t)(way ^ 1) * (size_t)ways->words;
+    return row_has(back, ways->ways[flow->steps[0]->beam.way].from);
+}
+
 static void want_unknown(const Flow *flow, FlowStep *out) {
     out->word_count = 0;
     for (int i = 0; i < flow->ways->words; i++) {
@@ -107,8 +114,8 @@ static void follow_chain(Flow *flow, int depth) {
     flow->on_path[cell] = 1;
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->left > 0 && has_work(flow); i++) {
         int way = ways->list[i];
-        if (flow->on_path[ways->ways[way].to]) continue;
-        if (!want(flow, step, way, next)) continue;
+        if (flow->on_path[ways->to[i]]) continue;
+        if (!want(flow, step, way, next) || !leads_back(flow, way)) continue;
         flow->left--;
         flow->work.chains++;
         if (narrow(flow, step, way, next)) follow_chain(flow, depth + 1);
@@ -172,8 +179,8 @@ static void look_on(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)
     flow->on_path[cell] = 1;
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && has_work(flow); i++) {
         int way = ways->list[i];
-        if (flow->on_path[ways->ways[way].to]) continue;
-        if (!want(flow, step, way, next)) continue;
+        if (flow->on_path[ways->to[i]]) continue;
+        if (!want(flow, step, way, next) || !leads_back(flow, way)) continue;
         flow->work.chains++;
         if (narrow_cone(flow, step, way, next)) look_on(flow, depth + 1, arrive);
     }

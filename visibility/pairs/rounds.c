@@ -53,17 +53,70 @@ static void lend_word(Rounds *r, int cell, int k) {
     }
 }
 
-static void lend(Rounds *r, int cell) {
-    for (int k = 0; k < r->ways.words; k++) lend_word(r, cell, k);
+// Rows of bits become columns: halves of the block change places, then quarters, and so on.
+static void transpose(uint64_t block[64]) {
+    uint64_t mask = UINT32_MAX;
+    for (int step = 32; step > 0; step /= 2, mask ^= mask << step) {
+        for (int i = 0; i < 64; i = (i + step + 1) & ~step) {
+            uint64_t moved = (block[i] >> step ^ block[i + step]) & mask;
+            block[i] ^= moved << step;
+            block[i + step] ^= moved;
+        }
+    }
+}
+
+// Of the cells 64 i and on, what they see of the cells 64 k and on.
+static void read_block(const Rounds *r, int i, int k, uint64_t block[64]) {
+    for (int c = 0; c < 64; c++) {
+        int cell = i * 64 + c;
+        block[c] = cell < r->ways.cell_count ? set_row(r, r->set->seen, cell)[k] : 0;
+    }
+}
+static void and_block(const Rounds *r, int i, int k, const uint64_t block[64]) {
+    for (int c = 0; c < 64 && i * 64 + c < r->ways.cell_count; c++)
+        set_row(r, r->set->seen, i * 64 + c)[k] &= block[c];
+}
+
+// A cell sees what may be seen through one of its ways, as far as that may see the cell. What it does not see is not seen through
+// any of its ways either.
+static void see_floods(Rounds *r) {
+    const WayGraph *ways = &r->ways;
+    int words = ways->words;
+    for (int w = 0; w < ways->way_count; w++) {
+        uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
+        for (int k = 0; k < words; k++) seen[k] |= might_row(r, w)[k];
+    }
+    for (int i = 0; i < words; i++) {
+        for (int k = 0; k <= i; k++) {
+            uint64_t a[64], b[64];
+            read_block(r, i, k, a);
+            read_block(r, k, i, b);
+            transpose(a);
+            transpose(b);
+            and_block(r, i, k, b);
+            and_block(r, k, i, a);
+        }
+    }
+    for (int w = 0; w < ways->way_count; w++) {
+        const uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
+        for (int k = 0; k < words; k++) might_row(r, w)[k] &= seen[k];
+    }
 }
 
 static void flood_cell(void *context, int cell, int thread) {
     Rounds *r = context;
+    const WayGraph *ways = &r->ways;
     Arena own = {0};
-    int *stack = ARENA_ARRAY(&own, int, r->ways.cell_count);
+    int *stack = ARENA_ARRAY(&own, int, ways->cell_count);
     (void)thread;
-    for (int i = r->ways.first[cell]; i < r->ways.first[cell + 1]; i++)
-        ways_flood(&r->ways, r->ways.list[i], might_row(r, r->ways.list[i]), stack);
+    bool go_on = rounds_report(r, "flood", atomic_fetch_add(&r->flooded, 1), ways->cell_count);
+    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+        uint64_t *row = might_row(r, ways->list[i]);
+        if (go_on)
+            ways_flood(ways, ways->list[i], row, stack);
+        else
+            row_add_all(row, ways->cell_count);
+    }
     arena_free(&own);
 }
 
@@ -90,9 +143,9 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
     parallel_for(r->threads, ways->cell_count, flood_cell, r);
     for (int c = 0; c < ways->cell_count; c++) {
         row_add(set_row(r, set->proven, c), c);
-        for (int other = 0; other < ways->cell_count; other++) row_add(set_row(r, set->seen, c), other);
+        row_add(set_row(r, set->seen, c), c);
     }
-    for (int c = 0; c < ways->cell_count; c++) lend(r, c);
+    see_floods(r);
 }
 
 typedef struct Turn {

@@ -19,6 +19,7 @@ typedef struct Rounds {
     int witness_count, witness_capacity;
     bool stopped;
     int threads;
+    atomic_int flooded;    // cells
     pthread_mutex_t lock;  // of `progress` and `stopped`
     void (*prepare)(Flow *flow, int way);
     Arena *arena;  // of the caller, for the result

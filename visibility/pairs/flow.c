@@ -12,7 +12,8 @@ static void flow_find(const CellGraph *graph, const PairOptions *options, const 
                       Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
-    rounds_search(&rounds, NULL, keep_cell);
+    rounds_reach(&rounds);
+    rounds_search(&rounds, flow_search, keep_cell);
     rounds_end(&rounds);
 }
 

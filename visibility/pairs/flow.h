@@ -21,10 +21,12 @@ typedef struct FlowStep {
 // One thread's search. Give it back with flow_free.
 typedef struct Flow {
     const WayGraph *ways;
-    const uint64_t *might;   // [way_count * words] cells that may be seen through a way
-    uint64_t *unknown;       // [words] cells in doubt: `arrive` drops those it decides
-    FlowStep **steps;        // [cell_count + 1] the chain so far; steps[0] is the first way
-    unsigned char *on_path;  // [cell_count] a line enters a convex cell once
+    const uint64_t *might;    // [way_count * words] cells that may be seen through a way
+    uint64_t *unknown;        // [words] cells in doubt: `arrive` drops those it decides
+    FlowStep **steps;         // [cell_count + 1] the chain so far; steps[0] is the first way
+    unsigned char *on_path;   // [cell_count] a line enters a convex cell once
+    int *stack;               // [cell_count] of flow_reach
+    uint64_t *within, *come;  // [words] of flow_reach
     // Called when the chain steps[0 .. depth] leads into a cell in doubt.
     void (*arrive)(struct Flow *flow, int depth);
     void *context;
@@ -43,7 +45,11 @@ void flow_end(Flow *flow);
 // or has done all the work that it may.
 bool flow_search(Flow *flow, int way);
 
-// The same for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls
+// Marks in `reached` the cells of `may` to which a flood comes that begins with the way and the one after it, and stays within the
+// beam of both: all that may be seen, and not much more, in a tenth of the time.
+void flow_reach(Flow *flow, int way, const uint64_t *may, uint64_t *reached);
+
+// As flow_search for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls
 // `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
 

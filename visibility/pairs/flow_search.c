@@ -5,7 +5,7 @@
 #include "visibility/pairs/flow.h"
 
 // The work of steps, see ways_work.
-enum { WORK_BOX = 10, WORK_WAY = 5, WORK_NARROW = 100, WORK_PLANES = 400 };
+enum { WORK_BOX = 10, WORK_WAY = 5, WORK_NARROW = 100, WORK_PLANES = 400, WORK_MEET = 60 };
 
 static bool has_work(const Flow *flow) { return flow->spent < flow->allowed; }
 
@@ -14,6 +14,9 @@ void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
     flow->unknown = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
     flow->steps = ARENA_ARRAY(&flow->arena, FlowStep *, ways->cell_count + 1);
     flow->on_path = ARENA_ARRAY(&flow->arena, unsigned char, ways->cell_count);
+    flow->stack = ARENA_ARRAY(&flow->arena, int, ways->cell_count);
+    flow->within = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
+    flow->come = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
 }
 
 void flow_end(Flow *flow) { arena_free(&flow->arena); }
@@ -140,6 +143,57 @@ bool flow_search(Flow *flow, int way) {
     follow_chain(flow, 0);
     flow->on_path[from] = 0;
     return flow->left > 0 && has_work(flow);
+}
+
+// Floods on from a cell through portals that the beam meets, within the cells of `within`, until all of those are reached.
+static void reach_on(Flow *flow, const Beam *beam, int cell, uint64_t *reached) {
+    const WayGraph *ways = flow->ways;
+    int depth = 0;
+    memset(flow->come, 0, (size_t)ways->words * sizeof *flow->come);
+    row_add(flow->come, cell);
+    row_add(reached, cell);
+    flow->stack[depth++] = cell;
+    while (depth > 0) {
+        cell = flow->stack[--depth];
+        for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+            int to = ways->to[i], way = ways->list[i];
+            uint64_t cutting;
+            if (!row_has(flow->within, to) || row_has(flow->come, to) || !leads_back(flow, way)) continue;
+            flow->spent += WORK_MEET;
+            if (beam_meets(&ways->ways[way], &beam->planes, ways->epsilon, &cutting) < 0) continue;
+            row_add(flow->come, to);
+            row_add(reached, to);
+            flow->stack[depth++] = to;
+        }
+    }
+}
+
+void flow_reach(Flow *flow, int way, const uint64_t *may, uint64_t *reached) {
+    const WayGraph *ways = flow->ways;
+    Beam *first = &step_at(flow, 0)->beam, *next = &step_at(flow, 1)->beam;
+    int from = ways->ways[way].from, cell = ways->ways[way].to;
+    beam_begin(ways, way, first);
+    if (row_has(may, cell)) row_add(reached, cell);
+    for (int i = ways->first[cell]; i < ways->first[cell + 1] && has_work(flow); i++) {
+        int to = ways->to[i], after = ways->list[i];
+        if (to == from || !row_has(may, to) || !leads_back(flow, after)) continue;
+        const uint64_t *might = flow->might + (size_t)after * (size_t)ways->words;
+        uint64_t fresh = 0;
+        for (int k = 0; k < ways->words; k++) {
+            flow->within[k] = may[k] & might[k];
+            fresh |= flow->within[k] & ~reached[k];
+        }
+        if (!fresh) continue;
+        flow->work.chains++;
+        flow->spent += WORK_NARROW + WORK_PLANES;
+        if (!beam_narrow(ways, first, first, after, 0, next, &flow->work)) continue;
+        beam_planes(&next->source, &next->pass, ways->epsilon, &next->planes);
+        flow->work.separators += next->planes.count;
+        reach_on(flow, next, to, reached);
+    }
+    if (!has_work(flow)) {
+        for (int k = 0; k < ways->words; k++) reached[k] |= may[k];
+    }
 }
 
 void flow_cone(Vec3 eye, const Winding *through, Separators *out) {

@@ -26,13 +26,15 @@ static void seen(Flow *flow, int depth) {
 }
 
 // Where much is in doubt a look from the middle of the portal decides most of it.
-static void look_from_middle(Flow *flow, int way) {
+static bool search(Flow *flow, int way) {
     enum { MUCH = 32 };
     int doubts = 0;
     for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
-    if (doubts < MUCH) return;
-    flow->point = flow->ways->ways[way].facet.middle;
-    flow_look(flow, way, seen);
+    if (doubts >= MUCH) {
+        flow->point = flow->ways->ways[way].facet.middle;
+        flow_look(flow, way, seen);
+    }
+    return flow_search(flow, way);
 }
 
 // Neighbours see each other through the middle of their portal.
@@ -54,7 +56,8 @@ static void proof_find(const CellGraph *graph, const PairOptions *options, const
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
     prove_neighbours(&rounds);
-    rounds_search(&rounds, look_from_middle, try_line);
+    rounds_reach(&rounds);
+    rounds_search(&rounds, search, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }

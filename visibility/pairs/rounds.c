@@ -133,6 +133,7 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
     *r = (Rounds){.options = options,
                   .progress = progress,
                   .set = set,
+                  .stage = "sightlines",
                   .threads = parallel_threads(options->threads),
                   .lock = PTHREAD_MUTEX_INITIALIZER,
                   .arena = arena};
@@ -169,7 +170,7 @@ static void sort_turns(const Rounds *r, Turn *turns, int count) {
 }
 
 // Searches from one way; reads only the findings from before the round.
-static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
+static void search_way(Flow *flow, const Rounds *r, int index, Finding *finding) {
     const WayGraph *ways = &r->ways;
     const WayShape *way = &ways->ways[index];
     const uint64_t *might = might_row(r, index), *proven = set_row(r, r->set->proven, way->from);
@@ -186,8 +187,7 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     flow->work = (ChainWork){0};
     flow->spent = 0;
     flow->context = finding;
-    if (r->prepare) r->prepare(flow, index);
-    if (!flow_search(flow, index)) {
+    if (!r->search(flow, index)) {
         flow->work.given_up++;
         for (int k = 0; k < ways->words; k++) finding->kept[k] |= flow->unknown[k];
     }
@@ -255,12 +255,12 @@ static void search_turn(void *context, int index, int thread) {
     Rounds *r = round->rounds;
     index = round->order[index].way;
     int way = round->turns[index].way, done = round->before + atomic_fetch_add(&round->done, 1);
-    if (!rounds_report(r, "sightlines", done, round->total)) return;
+    if (!rounds_report(r, r->stage, done, round->total)) return;
     Finding *finding = &round->findings[index];
     *finding = (Finding){.rounds = r,
                          .source = r->ways.ways[way].from,
                          .kept = round->kept + (size_t)index * (size_t)r->ways.words};
-    search(&round->flows[thread], r, way, finding);
+    search_way(&round->flows[thread], r, way, finding);
     finding->done = true;
 }
 
@@ -311,7 +311,7 @@ static long long patience(int searches) {
 
 static const double WORK = 8e8;  // of all searches, see ways_work
 
-void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
+void rounds_search(Rounds *r, bool (*search)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
     Arena scratch = {0};
     int count = ways->way_count, size = round_size(ways);
@@ -329,7 +329,7 @@ void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arriv
         round.flows[i].arrive = arrive;
         round.flows[i].patience = patience(count);
     }
-    r->prepare = prepare;
+    r->search = search;
     for (int first = 0; first < count && !r->stopped; first += size) {
         if (first / size % SORT_EVERY == 0) sort_turns(r, turns + first, count - first);
         round.turns = turns + first;
@@ -338,6 +338,21 @@ void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arriv
     }
     for (int i = 0; i < r->threads; i++) flow_end(&round.flows[i]);
     arena_free(&scratch);
+}
+
+static bool reach(Flow *flow, int way) {
+    Finding *finding = flow->context;
+    uint64_t *may = flow->unknown;
+    for (int k = 0; k < flow->ways->words; k++) may[k] |= finding->kept[k];
+    flow_reach(flow, way, may, finding->kept);
+    return true;
+}
+
+void rounds_reach(Rounds *r) {
+    const char *stage = r->stage;
+    r->stage = "beams";
+    for (int i = 0; i < 2; i++) rounds_search(r, reach, NULL);
+    r->stage = stage;
 }
 
 static int by_pair(const void *p, const void *q) {

@@ -21,8 +21,9 @@ typedef struct Rounds {
     int threads;
     atomic_int flooded;    // cells
     pthread_mutex_t lock;  // of `progress` and `stopped`
-    void (*prepare)(Flow *flow, int way);
-    Arena *arena;  // of the caller, for the result
+    bool (*search)(Flow *flow, int way);
+    const char *stage;  // of the searches, for progress
+    Arena *arena;       // of the caller, for the result
     Arena scratch;
 } Rounds;
 
@@ -54,11 +55,14 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
-// One search from every way. `arrive` is that of Flow, whose context is a Finding; `prepare` (may be NULL) is called
-// before each search, to decide easy pairs. In closed buildings a search follows thousands of chains; in the open, where
-// there are millions, it is given up, and pairs in doubt stay so; likewise when all allowed work is done.
-void rounds_search(Rounds *rounds, void (*prepare)(Flow *flow, int way),
+// One search from every way: flow_search or one like it. `arrive` is that of Flow, whose context is a Finding. In closed buildings
+// a search follows thousands of chains; in the open, where there are millions, it is given up, and pairs in doubt stay so;
+// likewise when all allowed work is done.
+void rounds_search(Rounds *rounds, bool (*search)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));
+// Before: what a flood within beams does not reach (flow_reach) is excluded, way by way and then once more, when the other ends of the
+// pairs have been excluded too.
+void rounds_reach(Rounds *rounds);
 // Takes pairs as proven; `lines` are asked for where witnesses are kept.
 void rounds_prove(Rounds *rounds, const PairEnds *pairs, const Sight *lines, int count);
 // Takes the pairs that a finding has proven, and frees the finding.

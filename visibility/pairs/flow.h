@@ -21,12 +21,12 @@ typedef struct FlowStep {
 // One thread's search. Give it back with flow_free.
 typedef struct Flow {
     const WayGraph *ways;
-    const uint64_t *might;    // [way_count * words] cells that may be seen through a way
-    uint64_t *unknown;        // [words] cells in doubt: `arrive` drops those it decides
-    FlowStep **steps;         // [cell_count + 1] the chain so far; steps[0] is the first way
-    unsigned char *on_path;   // [cell_count] a line enters a convex cell once
-    int *stack;               // [cell_count] of flow_reach
-    uint64_t *within, *come;  // [words] of flow_reach
+    const uint64_t *might;     // [way_count * words] cells that may be seen through a way
+    uint64_t *unknown;         // [words] cells in doubt: `arrive` drops those it decides
+    FlowStep **steps;          // [cell_count + 1] the chain so far; steps[0] is the first way
+    unsigned char *on_path;    // [cell_count] a line enters a convex cell once
+    int *stack;                // [cell_count] of flow_reach
+    uint64_t *within, *goals;  // [words] of flow_reach
     // Called when the chain steps[0 .. depth] leads into a cell in doubt.
     void (*arrive)(struct Flow *flow, int depth);
     void *context;

@@ -16,7 +16,7 @@ void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
     flow->on_path = ARENA_ARRAY(&flow->arena, unsigned char, ways->cell_count);
     flow->stack = ARENA_ARRAY(&flow->arena, int, ways->cell_count);
     flow->within = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
-    flow->come = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
+    flow->goals = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
 }
 
 void flow_end(Flow *flow) { arena_free(&flow->arena); }
@@ -145,23 +145,41 @@ bool flow_search(Flow *flow, int way) {
     return flow->left > 0 && has_work(flow);
 }
 
-// Floods on from a cell through portals that the beam meets, within the cells of `within`, until all of those are reached.
-static void reach_on(Flow *flow, const Beam *beam, int cell, uint64_t *reached) {
+// The cells of `within` that were not reached yet and touch the beam. Returns how many.
+static int wanted_in_beam(Flow *flow, const Beam *beam, const uint64_t *reached) {
+    int count = 0;
+    for (int k = 0; k < flow->ways->words; k++) {
+        uint64_t left = flow->within[k] & ~reached[k];
+        for (uint64_t bits = left; bits; bits &= bits - 1) {
+            int cell = k * 64 + __builtin_ctzll(bits);
+            flow->spent += WORK_BOX;
+            if (!box_in_beam(flow->ways->boxes[cell], &beam->planes, flow->ways->epsilon))
+                left &= ~(bits & -bits);
+        }
+        flow->goals[k] = left;
+        count += __builtin_popcountll(left);
+    }
+    return count;
+}
+
+// Floods on from a cell through portals that the beam meets, within the cells of `within`, until no goal is left.
+static void reach_on(Flow *flow, const Beam *beam, int cell, int goals, uint64_t *reached) {
     const WayGraph *ways = flow->ways;
     int depth = 0;
-    memset(flow->come, 0, (size_t)ways->words * sizeof *flow->come);
-    row_add(flow->come, cell);
-    row_add(reached, cell);
     flow->stack[depth++] = cell;
-    while (depth > 0) {
+    row_drop(flow->within, cell);
+    goals -= row_has(flow->goals, cell);
+    row_add(reached, cell);
+    while (depth > 0 && goals > 0) {
         cell = flow->stack[--depth];
         for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
             int to = ways->to[i], way = ways->list[i];
             uint64_t cutting;
-            if (!row_has(flow->within, to) || row_has(flow->come, to) || !leads_back(flow, way)) continue;
+            if (!row_has(flow->within, to) || !leads_back(flow, way)) continue;
             flow->spent += WORK_MEET;
             if (beam_meets(&ways->ways[way], &beam->planes, ways->epsilon, &cutting) < 0) continue;
-            row_add(flow->come, to);
+            row_drop(flow->within, to);
+            goals -= row_has(flow->goals, to);
             row_add(reached, to);
             flow->stack[depth++] = to;
         }
@@ -189,7 +207,10 @@ void flow_reach(Flow *flow, int way, const uint64_t *may, uint64_t *reached) {
         if (!beam_narrow(ways, first, first, after, 0, next, &flow->work)) continue;
         beam_planes(&next->source, &next->pass, ways->epsilon, &next->planes);
         flow->work.separators += next->planes.count;
-        reach_on(flow, next, to, reached);
+        // Where that portal lies in a plane of the beam, so does the box of a cell without another portal.
+        row_add(reached, to);
+        int goals = wanted_in_beam(flow, next, reached);
+        if (goals > 0) reach_on(flow, next, to, goals, reached);
     }
     if (!has_work(flow)) {
         for (int k = 0; k < ways->words; k++) reached[k] |= may[k];

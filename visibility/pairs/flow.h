@@ -30,6 +30,9 @@ typedef struct Flow {
     // Called when the chain steps[0 .. depth] leads into a cell in doubt.
     void (*arrive)(struct Flow *flow, int depth);
     void *context;
+    bool (*go_on)(
+        struct Flow
+            *flow);      // NULL: always. Asked now and then; after false a search loses its patience at once
     Vec3 point;          // of flow_look
     long long patience;  // chains that one search may follow; cells that are in doubt then stay in `unknown`
     long long left;      // of the patience

@@ -5,7 +5,7 @@
 #include "visibility/pairs/flow.h"
 
 // The work of steps, see ways_work.
-enum { WORK_BOX = 10, WORK_WAY = 5, WORK_NARROW = 100, WORK_PLANES = 400, WORK_MEET = 60 };
+enum { WORK_BOX = 6, WORK_WAY = 5, WORK_NARROW = 60, WORK_PLANES = 200, WORK_MEET = 60 };
 
 static bool has_work(const Flow *flow) { return flow->spent < flow->allowed; }
 
@@ -103,6 +103,13 @@ static bool narrow(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
                        &flow->work);
 }
 
+// Follows a chain less from now on; none when asked to stop.
+static void lose_patience(Flow *flow) {
+    enum { CHAINS = 4096 };  // some milliseconds
+    flow->left--;
+    if (flow->go_on && flow->left % CHAINS == 0 && !flow->go_on(flow)) flow->left = 0;
+}
+
 static void follow_chain(Flow *flow, int depth) {
     const WayGraph *ways = flow->ways;
     FlowStep *step = flow->steps[depth];
@@ -119,7 +126,7 @@ static void follow_chain(Flow *flow, int depth) {
         int way = ways->list[i];
         if (flow->on_path[ways->to[i]]) continue;
         if (!want(flow, step, way, next) || !leads_back(flow, way)) continue;
-        flow->left--;
+        lose_patience(flow);
         flow->work.chains++;
         if (narrow(flow, step, way, next)) follow_chain(flow, depth + 1);
     }

@@ -120,12 +120,22 @@ static void flood_cell(void *context, int cell, int thread) {
     arena_free(&own);
 }
 
-bool rounds_report(Rounds *r, const char *stage, int done, int count) {
+static bool report(Rounds *r, const char *stage, double done) {
     pthread_mutex_lock(&r->lock);
-    if (!r->stopped && !progress_report(r->progress, stage, (double)done / count)) r->stopped = true;
+    if (stage) r->told = stage, r->told_done = done;
+    if (!r->stopped && !progress_report(r->progress, r->told, r->told_done)) r->stopped = true;
     bool stopped = r->stopped;
     pthread_mutex_unlock(&r->lock);
     return !stopped;
+}
+
+bool rounds_report(Rounds *r, const char *stage, int done, int count) {
+    return report(r, stage, (double)done / count);
+}
+
+bool rounds_go_on(Flow *flow) {
+    const Finding *finding = flow->context;
+    return report(finding->rounds, NULL, 0);
 }
 
 void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
@@ -327,6 +337,7 @@ void rounds_search(Rounds *r, bool (*search)(Flow *flow, int way), void (*arrive
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);
         round.flows[i].arrive = arrive;
+        round.flows[i].go_on = rounds_go_on;
         round.flows[i].patience = patience(count);
     }
     r->search = search;

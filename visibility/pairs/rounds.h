@@ -20,6 +20,8 @@ typedef struct Rounds {
     bool stopped;
     int threads;
     atomic_int flooded;    // cells
+    const char *told;      // the stage last reported,
+    double told_done;      // and how much of it
     pthread_mutex_t lock;  // of `progress` and `stopped`
     bool (*search)(Flow *flow, int way);
     const char *stage;  // of the searches, for progress
@@ -39,7 +41,7 @@ typedef struct Sight {
 
 // The findings of one search.
 typedef struct Finding {
-    const Rounds *rounds;
+    Rounds *rounds;
     int source;       // cell the lines start from
     uint64_t *kept;   // [words] cells reached, or left undecided
     PairEnds *pairs;  // malloc'd [pair_count]: proven now, not before the round
@@ -74,5 +76,7 @@ void rounds_end(Rounds *rounds);
 
 // For loops on several threads: false when the caller asked to stop.
 bool rounds_report(Rounds *rounds, const char *stage, int done, int count);
+// Flow.go_on, while the flow's context is a Finding: reports the same again.
+bool rounds_go_on(Flow *flow);
 
 #endif

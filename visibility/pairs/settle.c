@@ -14,7 +14,7 @@ enum { MOST_PIECES = 96 };
 // A piece takes as long as so many chains.
 enum { PIECE_CHAINS = 15 };
 // And so much work a portal, see ways_work; of all cases together.
-enum { WORK_PIECE = 1000 };
+enum { WORK_PIECE = 500 };
 static const double WORK = 2.5e8;
 // A piece shorter than this many epsilons, or narrower in the mean, lies within what rounding leaves open: lines that only
 // touch an edge on their way leave a strip of the source that is never used up.
@@ -248,6 +248,7 @@ void settle_pairs(Rounds *r) {
     for (int i = 0; i < r->threads; i++) {
         flow_start(&run.flows[i], &r->ways, r->might);
         run.flows[i].arrive = arrive;
+        run.flows[i].go_on = rounds_go_on;
         run.flows[i].patience = patience(run.total);
     }
     for (run.before = 0; run.before < run.total && !r->stopped && run.left > 0; run.before += run.count) {

@@ -59,7 +59,7 @@ typedef struct Separators {
 static inline Plane separators_at(const Separators *s, int i) {
     return (Plane){{s->x[i], s->y[i], s->z[i]}, s->d[i]};
 }
-// Of any length `n`, but not zero.
+// Adds one; `n` has any length but zero.
 void separators_add(Separators *s, Vec3 n, Vec3 through);
 
 enum { KEEP_OTHER, KEEP_EDGES };

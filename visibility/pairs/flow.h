@@ -30,10 +30,8 @@ typedef struct Flow {
     // Called when the chain steps[0 .. depth] leads into a cell in doubt.
     void (*arrive)(struct Flow *flow, int depth);
     void *context;
-    bool (*go_on)(
-        struct Flow
-            *flow);      // NULL: always. Asked now and then; after false a search loses its patience at once
-    Vec3 point;          // of flow_look
+    bool (*go_on)(struct Flow *flow);  // NULL: always. After false a search loses its patience at once
+    Vec3 point;                        // of flow_look
     long long patience;  // chains that one search may follow; cells that are in doubt then stay in `unknown`
     long long left;      // of the patience
     long long spent, allowed;  // work of one search (ways_work), and how much it may do
@@ -49,10 +47,10 @@ void flow_end(Flow *flow);
 bool flow_search(Flow *flow, int way);
 
 // Marks in `reached` the cells of `may` to which a flood comes that begins with the way and the one after it, and stays within the
-// beam of both: all that may be seen, and not much more, in a tenth of the time.
+// beam of both: all that may be seen, and not much more.
 void flow_reach(Flow *flow, int way, const uint64_t *may, uint64_t *reached);
 
-// As flow_search for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls
+// As flow_search for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from it. Calls
 // `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
 

@@ -65,7 +65,7 @@ static void transpose(uint64_t block[64]) {
     }
 }
 
-// Of the cells 64 i and on, what they see of the cells 64 k and on.
+// A block of the matrix: which of the cells from 64 k on are seen by those from 64 i on.
 static void read_block(const Rounds *r, int i, int k, uint64_t block[64]) {
     for (int c = 0; c < 64; c++) {
         int cell = i * 64 + c;
@@ -120,7 +120,7 @@ static void flood_cell(void *context, int cell, int thread) {
     arena_free(&own);
 }
 
-static bool report(Rounds *r, const char *stage, double done) {
+static bool tell(Rounds *r, const char *stage, double done) {
     pthread_mutex_lock(&r->lock);
     if (stage) r->told = stage, r->told_done = done;
     if (!r->stopped && !progress_report(r->progress, r->told, r->told_done)) r->stopped = true;
@@ -130,12 +130,12 @@ static bool report(Rounds *r, const char *stage, double done) {
 }
 
 bool rounds_report(Rounds *r, const char *stage, int done, int count) {
-    return report(r, stage, (double)done / count);
+    return tell(r, stage, (double)done / count);
 }
 
 bool rounds_go_on(Flow *flow) {
     const Finding *finding = flow->context;
-    return report(finding->rounds, NULL, 0);
+    return tell(finding->rounds, NULL, 0);
 }
 
 void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
@@ -351,7 +351,7 @@ void rounds_search(Rounds *r, bool (*search)(Flow *flow, int way), void (*arrive
     arena_free(&scratch);
 }
 
-static bool reach(Flow *flow, int way) {
+static bool reach_way(Flow *flow, int way) {
     Finding *finding = flow->context;
     uint64_t *may = flow->unknown;
     for (int k = 0; k < flow->ways->words; k++) may[k] |= finding->kept[k];
@@ -362,7 +362,7 @@ static bool reach(Flow *flow, int way) {
 void rounds_reach(Rounds *r) {
     const char *stage = r->stage;
     r->stage = "beams";
-    for (int i = 0; i < 2; i++) rounds_search(r, reach, NULL);
+    for (int i = 0; i < 2; i++) rounds_search(r, reach_way, NULL);
     r->stage = stage;
 }
 

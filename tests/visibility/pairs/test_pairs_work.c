@@ -145,13 +145,15 @@ Test(pairs, floods_within_beams_exclude_hidden_pairs_only) {
     Random random = {21};
     CellGraph *graph = pairs_rooms_graph(&arena, &random, 6, 5, 2);
     PairOptions options = {.threads = 2};
+    // Neither of the two goes by beams first.
+    SampleSet sample = pairs_sample(graph, 4, 2, &arena);
     PairSet part, flood = pairs_find(graph, pair_method("flood"), 2, NULL, &arena),
-                  whole = pairs_find(graph, pair_method("proof"), 2, NULL, &arena);
+                  whole = search_with(graph, 1, &arena);
     Rounds rounds;
     rounds_start(&rounds, graph, &options, NULL, &arena, &part);
     rounds_reach(&rounds);
     rounds_end(&rounds);
-    cr_expect_eq(pairs_compare(part.seen, whole.proven, graph->cell_count).missed, 0);
+    cr_expect_eq(pairs_compare(part.seen, sample.proven, graph->cell_count).missed, 0);
     cr_expect_eq(pairs_compare(flood.seen, part.seen, graph->cell_count).missed, 0);
     cr_expect_eq(pairs_asymmetries(part.seen, graph->cell_count), 0);
     long long all = pair_count(flood.seen, flood.cell_count, flood.words),

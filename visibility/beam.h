@@ -9,32 +9,38 @@
 
 #include "visibility/ways.h"
 
-enum { BEAM_MAX = 2 * WINDING_MAX };
-
 typedef struct Beam {
     int way;               // crossed last
     Winding source, pass;  // the visible parts of the chain's first portal, and of this way's
-    Separator planes[BEAM_MAX];
-    int plane_count;
+    Separators planes;
 } Beam;
 
 // The chain of one way, from whose whole portal lines go everywhere: without planes.
 void beam_begin(const WayGraph *ways, int way, Beam *out);
 
-// The half-spaces that hold, beyond `pass`, every line that comes through `source` and then `pass`. Returns how many.
-int beam_planes(const Winding *source, const Winding *pass, double epsilon, Separator out[BEAM_MAX]);
+// The half-spaces that hold, beyond `pass`, every line that comes through `source` and then `pass`.
+void beam_planes(const Winding *source, const Winding *pass, double epsilon, Separators *out);
 
-// A quick answer by the ball around the way's portal: -1 outside one of the half-spaces, +1 inside all of them, else 0,
-// and which of them cut it.
-int beam_ball(const WayShape *way, const Separator *planes, int count, uint64_t *cutting);
+// -1: the way's portal lies outside one of the half-spaces, or touches it from outside within epsilon; +1: inside all of them; else
+// 0, and which of them cut it.
+int beam_meets(const WayShape *way, const Separators *planes, double epsilon, uint64_t *cutting);
 
 // The chain of `from` goes on through `way`: the visible parts of its portal, and of the source through which it is seen. Only
-// the planes of `cutting` (beam_ball) are tried. `first` is the beam of the chain's first way. False when nothing is left.
+// the planes of `cutting` (beam_meets) are tried. `first` is the beam of the chain's first way. False when nothing is left.
 // The planes of `out` are not made.
 bool beam_narrow(const WayGraph *ways, const Beam *first, const Beam *from, int way, uint64_t cutting,
                  Beam *out, ChainWork *work);
 
 // The half-space on the given side of a way's portal (+1 in front), to clip the portal of `other`.
-Separator beam_side(const WayShape *way, int side, const WayShape *other, double epsilon);
+Plane beam_side(const WayShape *way, int side, const WayShape *other);
+
+// Clips by all half-spaces, or by those of `some` only; false when nothing is left.
+bool beam_clip(Winding *w, const Separators *planes, double epsilon);
+static inline bool beam_cut(Winding *w, const Separators *planes, uint64_t some, double epsilon) {
+    for (; some; some &= some - 1) {
+        if (!winding_clip(w, separators_at(planes, __builtin_ctzll(some)), epsilon)) return false;
+    }
+    return true;
+}
 
 #endif

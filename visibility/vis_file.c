@@ -155,7 +155,8 @@ bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest
     memcpy(at += s.root, forest->bounded, s.bounded);
     put_seen(forest, at += s.bounded);
     memcpy(at + s.seen, forest->nodes, s.nodes);
-    bool good = derived_write(path, &KIND, graph->building->hash, vis_geometry_hash(graph), file, s.total, error);
+    bool good =
+        derived_write(path, &KIND, graph->building->hash, vis_geometry_hash(graph), file, s.total, error);
     memory_free(file);
     return good;
 }

@@ -21,7 +21,21 @@ static void surround(Plane plane, const Vec3 *corners, int count, Vec3 out[4]) {
     }
 }
 
-static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena, WayShape *way) {
+static const double *way_rows(const Vec3 *corners, int count, Arena *arena) {
+    int row = way_row(count);
+    double *rows = ARENA_ARRAY(arena, double, 3 * row);
+    for (int i = 0; i < row; i++) {
+        Vec3 p = corners[i < count ? i : 0];
+        rows[i] = p.x, rows[row + i] = p.y, rows[2 * row + i] = p.z;
+    }
+    return rows;
+}
+
+// `size` is that of the building.
+static void set_way(const CellGraph *graph, Vec3 origin, double size, int index, Arena *arena,
+                    WayShape *way) {
+    // A plane that is sure to so many epsilons throughout the building is as good as exact.
+    static const double EXACT = 1e-2;
     const Portal *portal = &graph->portals[index / 2];
     bool back = index % 2;
     const Vec3 *given = graph->portal_vertices + portal->first_vertex;
@@ -48,12 +62,15 @@ static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena
     double area = polygon_area(corners, count);
     way->corners = corners;
     way->corner_count = count;
+    way->rows = way_rows(corners, count, arena);
     for (int i = 0; i < count; i++)
         way->facet.middle = vec3_add(way->facet.middle, vec3_scale(corners[i], 1.0 / count));
     for (int i = 0; i < count; i++)
         way->radius = fmax(way->radius, vec3_length(vec3_sub(corners[i], way->facet.middle)));
     // Over its width, area / (2 radius), the plane is sure to within the bend; beyond, the error grows with distance.
     way->facet.tilt = 2 * way->facet.bend * way->radius / fmax(area, 1e-300);
+    if (way->facet.bend + way->facet.tilt * size <= EXACT * WAY_EPSILON * size)
+        way->facet.bend = way->facet.tilt = 0;
 }
 
 static double work_scale(const Building *building) {
@@ -64,6 +81,25 @@ static double work_scale(const Building *building) {
     if (times < 1) times = 1;
     if (!building) return times;
     return times * times * (building->map ? OF_MAPS : building->form == FORM_CELLS ? OF_CELLS : 1);
+}
+
+static void set_rows(WayGraph *graph, Arena *arena) {
+    WayRows *rows = &graph->rows;
+    double **all[] = {&rows->x,  &rows->y,  &rows->z, &rows->radius, &rows->nx,
+                      &rows->ny, &rows->nz, &rows->d, &rows->doubt};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        *all[i] = ARENA_ARRAY(arena, double, graph->way_count + FOUR);
+    graph->to = ARENA_ARRAY(arena, int, graph->way_count + FOUR);
+    for (int i = 0; i < graph->way_count; i++) {
+        const WayShape *way = &graph->ways[graph->list[i]];
+        const Facet *f = &way->facet;
+        rows->x[i] = f->middle.x, rows->y[i] = f->middle.y, rows->z[i] = f->middle.z;
+        rows->nx[i] = f->plane.n.x, rows->ny[i] = f->plane.n.y, rows->nz[i] = f->plane.n.z;
+        rows->d[i] = f->plane.d;
+        rows->radius[i] = way->radius;
+        rows->doubt[i] = f->bend > 0 ? INFINITY : 0;
+        graph->to[i] = way->to;
+    }
 }
 
 void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
@@ -83,7 +119,7 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
     for (int c = 0; c < cells; c++) out->boxes[c] = box_empty();
     for (int i = 0; i < ways; i++) {
         WayShape *way = &out->ways[i];
-        set_way(graph, origin, i, arena, way);
+        set_way(graph, origin, size, i, arena, way);
         out->first[way->from + 1]++;
         for (int k = 0; k < way->corner_count; k++)
             out->boxes[way->from] = box_add(out->boxes[way->from], way->corners[k]);
@@ -94,6 +130,7 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
         int cell = out->ways[i].from;
         out->list[out->first[cell] + fill[cell]++] = i;
     }
+    set_rows(out, arena);
 }
 
 bool way_is_segment(const CellGraph *graph, int way, double epsilon) {
@@ -118,6 +155,29 @@ static bool reaches(const WayShape *way, Plane plane, int side, double slack) {
     return false;
 }
 
+// May a line come through the first way and then through the other, as far as their planes tell?
+static bool faces(const WayGraph *graph, const WayShape *first, const WayShape *next) {
+    double doubt = way_doubt(first, next);
+    return plane_distance(first->facet.plane, next->facet.middle) >= -next->radius - doubt &&
+           reaches(next, first->facet.plane, 1, graph->epsilon - doubt) &&
+           reaches(first, next->facet.plane, -1, graph->epsilon - way_doubt(next, first));
+}
+
+// The same for four ways of the list at once by the balls around them: which surely do (`sure`), and which may. A plane's doubt only
+// ever lets more through.
+static unsigned four_face(const WayGraph *graph, const WayShape *first, int at, unsigned *sure) {
+    const WayRows *r = &graph->rows;
+    Vec3 n = first->facet.plane.n, m = first->facet.middle;
+    Four before = four_load(r->x + at) * n.x + four_load(r->y + at) * n.y + four_load(r->z + at) * n.z -
+                  first->facet.plane.d;
+    Four behind = four_load(r->d + at) - four_load(r->nx + at) * m.x - four_load(r->ny + at) * m.y -
+                  four_load(r->nz + at) * m.z;
+    *sure = four_lanes((before > graph->epsilon) & (behind > graph->epsilon));
+    double doubt = first->facet.bend > 0 ? INFINITY : 0;
+    return four_lanes((before >= -four_load(r->radius + at) - doubt) &
+                      (behind >= -four_load(r->doubt + at) - first->radius));
+}
+
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) {
     // For all floods together; a try takes 10 ns.
     static const double TRIES = 5e7;
@@ -131,23 +191,23 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) 
         int cell = stack[--depth];
         all = tried > most;
         // With cells left on the stack the flood is known to take too long before a cell of thousands of ways is done.
-        for (int i = graph->first[cell]; i < graph->first[cell + 1] && !all; i++) {
-            int index = graph->list[i];
-            const WayShape *next = &graph->ways[index];
-            if (index == (way ^ 1) || row_has(row, next->to)) continue;
-            tried++;
+        for (int i = graph->first[cell], end = graph->first[cell + 1]; i < end && !all; i += FOUR) {
+            unsigned fresh = 0, sure;
+            for (int k = 0; k < FOUR && i + k < end; k++)
+                fresh |= (unsigned)(!row_has(row, graph->to[i + k]) && graph->list[i + k] != (way ^ 1)) << k;
+            if (!fresh) continue;
+            tried += __builtin_popcount(fresh);
             all = tried > most && depth > 0;
-            double doubt = way_doubt(first, next);
-            if (plane_distance(first->facet.plane, next->facet.middle) < -next->radius - doubt) continue;
-            if (!reaches(next, first->facet.plane, 1, graph->epsilon - doubt)) continue;
-            if (!reaches(first, next->facet.plane, -1, graph->epsilon - way_doubt(next, first))) continue;
-            row_add(row, next->to);
-            stack[depth++] = next->to;
+            unsigned may = fresh & four_face(graph, first, i, &sure);
+            for (; may; may &= may - 1) {
+                int k = __builtin_ctz(may), to = graph->to[i + k];
+                if (row_has(row, to)) continue;
+                if (!(sure >> k & 1) && !faces(graph, first, &graph->ways[graph->list[i + k]])) continue;
+                row_add(row, to);
+                stack[depth++] = to;
+            }
         }
     }
-    if (all) {
-        memset(row, 0xff, (size_t)graph->words * sizeof *row);
-        if (graph->cell_count % 64) row[graph->words - 1] = ((uint64_t)1 << (graph->cell_count % 64)) - 1;
-    }
+    if (all) row_add_all(row, graph->cell_count);
     return tried;
 }

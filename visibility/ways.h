@@ -13,16 +13,27 @@ typedef struct WayShape {
     int from, to;
     Facet facet;          // of the portal, normal into `to`
     const Vec3 *corners;  // [corner_count] counter-clockwise about the normal
+    // The same as the rows of a winding: x, then y, then z, with the first corner's copies as far as whole blocks need them.
+    const double *rows;
     int corner_count;
     bool coarse;    // the portal has more corners than a winding should: these are of a rectangle around it
     double radius;  // around the facet's middle
 } WayShape;
+
+// Ways in the order of WayGraph.list, number by number for four at a time: each array is [way_count + FOUR].
+typedef struct WayRows {
+    double *x, *y, *z, *radius;  // the ball around the portal
+    double *nx, *ny, *nz, *d;    // its plane
+    double *doubt;               // 0 where the plane is sure, else infinite
+} WayRows;
 
 // Coordinates are relative to the middle of the building, so that one far from the origin loses no digits twice.
 typedef struct WayGraph {
     WayShape *ways;  // [way_count]
     int *first;      // [cell_count + 1] the ways out of cell c are list[first[c]] ..
     int *list;       // [way_count]
+    int *to;         // [way_count + FOUR] the cells that those of `list` lead into
+    WayRows rows;    // of `list`
     Box *boxes;      // [cell_count] of a cell's portals: whatever enters or leaves a cell does so within it
     Vec3 origin;     // the point that was subtracted
     double epsilon;  // metres: see WAY_EPSILON
@@ -51,10 +62,19 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
 // Is the portal a segment in plan: upright, with all its corners on the line between its ends, within `epsilon` metres?
 bool way_is_segment(const CellGraph *graph, int way, double epsilon);
 
+// Numbers in each of the rows of a way.
+static inline int way_row(int corner_count) { return (corner_count / FOUR + 1) * FOUR; }
+
 static inline void way_winding(const WayShape *way, Winding *out) {
-    out->facet = way->facet;
+    int row = way_row(way->corner_count);
+    const double *x = way->rows, *y = x + row, *z = y + row;
+    out->facet = &way->facet;
     out->count = way->corner_count;
-    memcpy(out->p, way->corners, (size_t)way->corner_count * sizeof *out->p);
+    for (int i = 0; i < row; i += FOUR) {
+        four_store(out->x + i, four_load(x + i));
+        four_store(out->y + i, four_load(y + i));
+        four_store(out->z + i, four_load(z + i));
+    }
 }
 
 // How far the plane of `way` may be off where `other` is, metres.
@@ -65,5 +85,9 @@ static inline double way_doubt(const WayShape *way, const WayShape *other) {
 static inline bool row_has(const uint64_t *row, int cell) { return row[cell / 64] >> (cell % 64) & 1; }
 static inline void row_add(uint64_t *row, int cell) { row[cell / 64] |= (uint64_t)1 << (cell % 64); }
 static inline void row_drop(uint64_t *row, int cell) { row[cell / 64] &= ~((uint64_t)1 << (cell % 64)); }
+static inline void row_add_all(uint64_t *row, int cell_count) {
+    for (int k = 0; k < cell_count / 64; k++) row[k] = UINT64_MAX;
+    if (cell_count % 64) row[cell_count / 64] = ((uint64_t)1 << (cell_count % 64)) - 1;
+}
 
 #endif

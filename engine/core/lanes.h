@@ -5,6 +5,7 @@
 #define CORE_LANES_H
 
 #include <stdint.h>
+#include <string.h>
 #ifdef __AVX2__
 #include <immintrin.h>
 #else
@@ -118,6 +119,13 @@ typedef float FourFloat __attribute__((vector_size(16)));
 typedef int32_t FourInt __attribute__((vector_size(16)));
 
 static inline Four four_of(double a) { return (Four){a, a, a, a}; }
+// From and to any place in an array.
+static inline Four four_load(const double *from) {
+    Four a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+static inline void four_store(double *to, Four a) { memcpy(to, &a, sizeof a); }
 static inline Four four_abs(Four a) { return (Four)((FourMask)a & INT64_MAX); }
 // Without AVX the lanes are converted one by one: GCC 12 for aarch64 breaks off on __builtin_convertvector.
 #ifdef __AVX__

@@ -12,6 +12,7 @@ static void flow_find(const CellGraph *graph, const PairOptions *options, const 
                       Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
+    rounds_reach(&rounds);
     rounds_search(&rounds, ROUNDS_WORK, flow_search, keep_cell);
     rounds_end(&rounds);
 }

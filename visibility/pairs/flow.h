@@ -23,14 +23,17 @@ typedef struct Merged Merged;
 // One thread's search. Give it back with flow_free.
 typedef struct Flow {
     const WayGraph *ways;
-    const uint64_t *might;   // [way_count * words] cells that may be seen through a way
-    uint64_t *unknown;       // [words] cells in doubt: `arrive` drops those it decides
-    FlowStep **steps;        // [cell_count + 1] the chain so far; steps[0] is the first way
-    unsigned char *on_path;  // [cell_count] a line enters a convex cell once
+    const uint64_t *might;     // [way_count * words] cells that may be seen through a way
+    uint64_t *unknown;         // [words] cells in doubt: `arrive` drops those it decides
+    FlowStep **steps;          // [cell_count + 1] the chain so far; steps[0] is the first way
+    unsigned char *on_path;    // [cell_count] a line enters a convex cell once
+    int *stack;                // [cell_count] of flow_reach
+    uint64_t *within, *goals;  // [words] of flow_reach
     // Called when the chain steps[0 .. depth] leads into a cell in doubt.
     void (*arrive)(struct Flow *flow, int depth);
     void *context;
-    Vec3 point;          // of flow_look
+    bool (*go_on)(struct Flow *flow);  // NULL: always. After false a search loses its patience at once
+    Vec3 point;                        // of flow_look
     long long patience;  // chains that one search may follow; cells that are in doubt then stay in `unknown`
     long long left;      // of the patience
     long long spent, allowed;  // work of one search (ways_work), and how much it may do
@@ -46,15 +49,19 @@ void flow_end(Flow *flow);
 // or has done all the work that it may.
 bool flow_search(Flow *flow, int way);
 
-// The same for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls
+// Marks in `reached` the cells of `may` to which a flood comes that begins with the way and the one after it, and stays within the
+// beam of both: all that may be seen, and not much more.
+void flow_reach(Flow *flow, int way, const uint64_t *may, uint64_t *reached);
+
+// As flow_search for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from it. Calls
 // `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
 
-// Does any of the box lie in the beam, as far as its planes tell?
-bool flow_box_in_beam(Box box, const Beam *beam);
+// Does any of the box lie within the planes of a beam, as far as these tell?
+bool flow_box_in_beam(Box box, const Separators *planes, double epsilon);
 
-// Planes through the eye and the edges of a winding ahead of it, which keep its inside. Returns how many.
-int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out);
+// Planes through the eye and the edges of a winding ahead of it, which keep its inside.
+void flow_cone(Vec3 eye, const Winding *through, Separators *out);
 
 // The cell that chain steps[0 .. depth] leads into.
 static inline int flow_cell(const Flow *flow, int depth) {

@@ -75,11 +75,13 @@ static Reach *queue_take(Merged *m) {
 // Do all corners of `a` lie in `b`, in whose plane they are? `slack` in metres.
 static bool holds(const Winding *b, const Winding *a, double slack) {
     for (int i = 0; i < b->count; i++) {
-        Vec3 edge = vec3_sub(b->p[i + 1 == b->count ? 0 : i + 1], b->p[i]);
-        Vec3 inwards = vec3_cross(b->facet.plane.n, edge);
-        double least = vec3_dot(inwards, b->p[i]) - slack * vec3_length(edge);
-        for (int k = 0; k < a->count; k++) {
-            if (vec3_dot(inwards, a->p[k]) < least) return false;
+        Vec3 corner = winding_corner(b, i), edge = vec3_sub(winding_corner(b, i + 1), corner);
+        Vec3 inwards = vec3_cross(b->facet->plane.n, edge);
+        double least = vec3_dot(inwards, corner) - slack * vec3_length(edge);
+        for (int k = 0; k < a->count; k += FOUR) {
+            Four at = four_load(a->x + k) * inwards.x + four_load(a->y + k) * inwards.y +
+                      four_load(a->z + k) * inwards.z;
+            if (four_lanes(at < least)) return false;
         }
     }
     return true;
@@ -100,12 +102,12 @@ static bool unite(Winding *b, const Winding *a) {
     enum { MOST = WINDING_MAX - 8 };  // room to be clipped
     HullPoint points[2 * WINDING_MAX];
     const HullPoint *hull[4 * WINDING_MAX];
-    Vec3 n = b->facet.plane.n;
+    Vec3 n = b->facet->plane.n;
     int axis = fabs(n.x) > fabs(n.y) ? (fabs(n.x) > fabs(n.z) ? 0 : 2) : (fabs(n.y) > fabs(n.z) ? 1 : 2),
         count = 0;
     bool turn = vec3_component(n, axis) < 0;
     for (int i = 0; i < a->count + b->count; i++) {
-        Vec3 p = i < a->count ? a->p[i] : b->p[i - a->count];
+        Vec3 p = i < a->count ? winding_corner(a, i) : winding_corner(b, i - a->count);
         double u = vec3_component(p, (axis + 1) % 3), v = vec3_component(p, (axis + 2) % 3);
         HullPoint point = turn ? (HullPoint){v, u, p} : (HullPoint){u, v, p};
         int at = count++;
@@ -127,7 +129,8 @@ static bool unite(Winding *b, const Winding *a) {
     top--;
     if (top < 3 || top > MOST) return false;
     b->count = top;
-    for (int i = 0; i < top; i++) b->p[i] = hull[i]->p;
+    for (int i = 0; i < top; i++) winding_set(b, i, hull[i]->p);
+    winding_close(b);
     return true;
 }
 
@@ -138,7 +141,7 @@ static Reach *reach_of(Flow *flow, int way) {
     m->place[way] = m->reach_count;
     if (m->reach_count == m->reach_made) m->reach[m->reach_made++] = ARENA_ARRAY(&flow->arena, Reach, 1);
     Reach *reach = m->reach[m->reach_count++];
-    Vec3 away = vec3_sub(flow->ways->ways[way].facet.middle, m->first.source.facet.middle);
+    Vec3 away = vec3_sub(flow->ways->ways[way].facet.middle, m->first.source.facet->middle);
     reach->way = way;
     reach->growths = -1;
     reach->queued = false;
@@ -197,7 +200,8 @@ static bool look_ahead(Flow *flow, const Beam *beam) {
         uint64_t left = m->bits[i];
         for (uint64_t bits = left; bits; bits &= bits - 1) {
             int cell = m->word[i] * 64 + __builtin_ctzll(bits);
-            if (!flow_box_in_beam(flow->ways->boxes[cell], beam)) left &= ~(bits & -bits);
+            if (!flow_box_in_beam(flow->ways->boxes[cell], &beam->planes, flow->ways->epsilon))
+                left &= ~(bits & -bits);
         }
         m->word[kept] = m->word[i];
         m->bits[kept] = left;
@@ -257,8 +261,8 @@ static void look_through(Flow *flow, const Reach *reach) {
         m->here.way = way;
         winding_copy(&m->here.source, &reach->source);
         winding_copy(&m->here.pass, &reach->pass);
-        m->here.plane_count = beam_planes(&m->here.source, &m->here.pass, ways->epsilon, m->here.planes);
-        flow->work.separators += m->here.plane_count;
+        beam_planes(&m->here.source, &m->here.pass, ways->epsilon, &m->here.planes);
+        flow->work.separators += m->here.planes.count;
     }
     flow->spent += WORK_VISIT;
     if (!look_ahead(flow, here)) return;
@@ -266,7 +270,7 @@ static void look_through(Flow *flow, const Reach *reach) {
         int next = ways->list[i];
         uint64_t cutting;
         if (next == (way ^ 1) || !may_pass(flow, source, next) || is_whole(m, next)) continue;
-        if (beam_ball(&ways->ways[next], here->planes, here->plane_count, &cutting) < 0) continue;
+        if (beam_meets(&ways->ways[next], &here->planes, ways->epsilon, &cutting) < 0) continue;
         if (!leads_on(flow, next)) continue;
         flow->spent += WORK_CLIP;
         flow->work.chains++;

@@ -75,6 +75,7 @@ static void proof_find(const CellGraph *graph, const PairOptions *options, const
     rounds.cast = &cast;
     prove_neighbours(&rounds);
     cast_from_portals(&rounds);
+    rounds_reach(&rounds);
     if (!rounds.stopped) rounds_search(&rounds, WORK_MERGED, search_merged, NULL);
     if (!rounds.stopped) rounds_search(&rounds, ROUNDS_WORK, search_chains, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);

@@ -53,26 +53,90 @@ static void lend_word(Rounds *r, int cell, int k) {
     }
 }
 
-static void lend(Rounds *r, int cell) {
-    for (int k = 0; k < r->ways.words; k++) lend_word(r, cell, k);
+// Rows of bits become columns: halves of the block change places, then quarters, and so on.
+static void transpose(uint64_t block[64]) {
+    uint64_t mask = UINT32_MAX;
+    for (int step = 32; step > 0; step /= 2, mask ^= mask << step) {
+        for (int i = 0; i < 64; i = (i + step + 1) & ~step) {
+            uint64_t moved = (block[i] >> step ^ block[i + step]) & mask;
+            block[i] ^= moved << step;
+            block[i + step] ^= moved;
+        }
+    }
+}
+
+// A block of the matrix: which of the cells from 64 k on are seen by those from 64 i on.
+static void read_block(const Rounds *r, int i, int k, uint64_t block[64]) {
+    for (int c = 0; c < 64; c++) {
+        int cell = i * 64 + c;
+        block[c] = cell < r->ways.cell_count ? set_row(r, r->set->seen, cell)[k] : 0;
+    }
+}
+static void and_block(const Rounds *r, int i, int k, const uint64_t block[64]) {
+    for (int c = 0; c < 64 && i * 64 + c < r->ways.cell_count; c++)
+        set_row(r, r->set->seen, i * 64 + c)[k] &= block[c];
+}
+
+// A cell sees what may be seen through one of its ways, as far as that may see the cell. What it does not see is not seen through
+// any of its ways either.
+static void see_floods(Rounds *r) {
+    const WayGraph *ways = &r->ways;
+    int words = ways->words;
+    for (int w = 0; w < ways->way_count; w++) {
+        uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
+        for (int k = 0; k < words; k++) seen[k] |= might_row(r, w)[k];
+    }
+    for (int i = 0; i < words; i++) {
+        for (int k = 0; k <= i; k++) {
+            uint64_t a[64], b[64];
+            read_block(r, i, k, a);
+            read_block(r, k, i, b);
+            transpose(a);
+            transpose(b);
+            and_block(r, i, k, b);
+            and_block(r, k, i, a);
+        }
+    }
+    if (r->options->known) pair_set_take_known(r->set, r->options->known);
+    for (int w = 0; w < ways->way_count; w++) {
+        const uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
+        for (int k = 0; k < words; k++) might_row(r, w)[k] &= seen[k];
+    }
 }
 
 static void flood_cell(void *context, int cell, int thread) {
     Rounds *r = context;
+    const WayGraph *ways = &r->ways;
     Arena own = {0};
-    int *stack = ARENA_ARRAY(&own, int, r->ways.cell_count);
+    int *stack = ARENA_ARRAY(&own, int, ways->cell_count);
     (void)thread;
-    for (int i = r->ways.first[cell]; i < r->ways.first[cell + 1]; i++)
-        ways_flood(&r->ways, r->ways.list[i], might_row(r, r->ways.list[i]), stack);
+    bool go_on = rounds_report(r, "flood", atomic_fetch_add(&r->flooded, 1), ways->cell_count);
+    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+        uint64_t *row = might_row(r, ways->list[i]);
+        if (go_on)
+            ways_flood(ways, ways->list[i], row, stack);
+        else
+            row_add_all(row, ways->cell_count);
+    }
     arena_free(&own);
 }
 
-bool rounds_report(Rounds *r, const char *stage, int done, int count) {
+static bool tell(Rounds *r, const char *stage, double done) {
     pthread_mutex_lock(&r->lock);
-    if (!r->stopped && !progress_report(r->progress, stage, (double)done / count)) r->stopped = true;
+    if (stage) r->told = stage, r->told_done = done;
+    if (!r->stopped && !progress_report(r->progress, r->told, r->told_done)) r->stopped = true;
     bool stopped = r->stopped;
     pthread_mutex_unlock(&r->lock);
     return !stopped;
+}
+
+bool rounds_report(Rounds *r, const char *stage, int done, int count) {
+    return tell(r, stage, (double)done / count);
+}
+
+bool rounds_go_on(Flow *flow) {
+    const Finding *finding = flow->context;
+    return tell(finding->rounds, NULL, 0);
 }
 
 void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
@@ -80,6 +144,7 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
     *r = (Rounds){.options = options,
                   .progress = progress,
                   .set = set,
+                  .stage = "sightlines",
                   .threads = parallel_threads(options->threads),
                   .lock = PTHREAD_MUTEX_INITIALIZER,
                   .arena = arena};
@@ -90,10 +155,9 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
     parallel_for(r->threads, ways->cell_count, flood_cell, r);
     for (int c = 0; c < ways->cell_count; c++) {
         row_add(set_row(r, set->proven, c), c);
-        for (int other = 0; other < ways->cell_count; other++) row_add(set_row(r, set->seen, c), other);
+        row_add(set_row(r, set->seen, c), c);
     }
-    if (options->known) pair_set_take_known(set, options->known);
-    for (int c = 0; c < ways->cell_count; c++) lend(r, c);
+    see_floods(r);
 }
 
 typedef struct Turn {
@@ -202,7 +266,7 @@ static void search_turn(void *context, int index, int thread) {
     Rounds *r = round->rounds;
     index = round->order[index].way;
     int way = round->turns[index].way, done = round->before + atomic_fetch_add(&round->done, 1);
-    if (!rounds_report(r, "sightlines", done, round->total)) return;
+    if (!rounds_report(r, r->stage, done, round->total)) return;
     Finding *finding = &round->findings[index];
     *finding = (Finding){.rounds = r,
                          .source = r->ways.ways[way].from,
@@ -273,6 +337,7 @@ void rounds_search(Rounds *r, double work, bool (*search)(Flow *flow, int way),
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);
         round.flows[i].arrive = arrive;
+        round.flows[i].go_on = rounds_go_on;
         round.flows[i].patience = patience(count);
     }
     r->search = search;
@@ -284,6 +349,21 @@ void rounds_search(Rounds *r, double work, bool (*search)(Flow *flow, int way),
     }
     for (int i = 0; i < r->threads; i++) flow_end(&round.flows[i]);
     arena_free(&scratch);
+}
+
+static bool reach_way(Flow *flow, int way) {
+    Finding *finding = flow->context;
+    uint64_t *may = flow->unknown;
+    for (int k = 0; k < flow->ways->words; k++) may[k] |= finding->kept[k];
+    flow_reach(flow, way, may, finding->kept);
+    return true;
+}
+
+void rounds_reach(Rounds *r) {
+    const char *stage = r->stage;
+    r->stage = "beams";
+    rounds_search(r, ROUNDS_WORK, reach_way, NULL);
+    r->stage = stage;
 }
 
 static int by_pair(const void *p, const void *q) {

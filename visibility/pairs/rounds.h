@@ -21,10 +21,14 @@ typedef struct Rounds {
     int witness_count, witness_capacity;
     bool stopped;
     int threads;
+    atomic_int flooded;    // cells
+    const char *told;      // the stage last reported,
+    double told_done;      // and how much of it
     pthread_mutex_t lock;  // of `progress` and `stopped`
     bool (*search)(Flow *flow, int way);
-    const Cast *cast;  // of cast.h, where lines are cast
-    Arena *arena;      // of the caller, for the result
+    const Cast *cast;   // of cast.h, where lines are cast
+    const char *stage;  // of the searches, for progress
+    Arena *arena;       // of the caller, for the result
     Arena scratch;
 } Rounds;
 
@@ -40,7 +44,7 @@ typedef struct Sight {
 
 // The findings of one search.
 typedef struct Finding {
-    const Rounds *rounds;
+    Rounds *rounds;
     int source;       // cell the lines start from
     uint64_t *kept;   // [words] cells reached, or left undecided
     PairEnds *pairs;  // malloc'd [pair_count]: proven now, not before the round
@@ -62,6 +66,8 @@ void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *opt
 #define ROUNDS_WORK 8e8  // the usual work of a search along chains
 void rounds_search(Rounds *rounds, double work, bool (*search)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));
+// Before: what a flood within beams does not reach (flow_reach) is excluded, way by way.
+void rounds_reach(Rounds *rounds);
 // Takes pairs as proven; `lines` are asked for where witnesses are kept.
 void rounds_prove(Rounds *rounds, const PairEnds *pairs, const Sight *lines, int count);
 // Takes the pairs that a finding has proven, and frees the finding.
@@ -73,5 +79,7 @@ void rounds_end(Rounds *rounds);
 
 // For loops on several threads: false when the caller asked to stop.
 bool rounds_report(Rounds *rounds, const char *stage, int done, int count);
+// Flow.go_on, while the flow's context is a Finding: reports the same again.
+bool rounds_go_on(Flow *flow);
 
 #endif

@@ -14,7 +14,7 @@ enum { MOST_PIECES = 128 };
 // A piece takes as long as so many chains.
 enum { PIECE_CHAINS = 15 };
 // And so much work a portal, see ways_work; of all cases together.
-enum { WORK_PIECE = 1000 };
+enum { WORK_PIECE = 500 };
 static const double WORK = 2.5e8;
 // A piece shorter than this many epsilons, or narrower in the mean, lies within what rounding leaves open: lines that only
 // touch an edge on their way leave a strip of the source that is never used up.
@@ -45,27 +45,23 @@ static bool shrink(const Cutter *cutter, int level, Winding *source) {
     const Winding *above = cutter->portals[level - 1];
     Winding *portals = cutter->portals[level];
     double epsilon = flow->ways->epsilon;
-    Separator beam[2 * WINDING_MAX], back[2 * WINDING_MAX];
+    Separators beam, back;
     const WayShape *first = &flow->ways->ways[flow->steps[0]->beam.way];
-    int planes = 0;
+    beam.count = 0;
     for (int i = 1; i <= cutter->depth; i++) {
         const WayShape *way = &flow->ways->ways[flow->steps[i]->beam.way];
         Winding *next = &portals[i];
         const Winding *pass = &portals[i - 1];
         winding_copy(next, &above[i]);
-        for (int k = 0; k < planes; k++) {
-            if (!winding_clip(next, beam[k])) return false;
-        }
-        if (!winding_clip(source, beam_side(way, -1, first, epsilon))) return false;
-        int count = 0;
+        if (!beam_clip(next, &beam, epsilon)) return false;
+        if (!winding_clip(source, beam_side(way, -1, first), epsilon)) return false;
+        back.count = 0;
         if (i > 1) {
-            count = winding_tangents(next, pass, -1, KEEP_OTHER, epsilon, back);
-            count += winding_tangents(pass, next, 1, KEEP_EDGES, epsilon, back + count);
+            winding_tangents(next, pass, -1, KEEP_OTHER, epsilon, &back);
+            winding_tangents(pass, next, 1, KEEP_EDGES, epsilon, &back);
         }
-        for (int k = 0; k < count; k++) {
-            if (!winding_clip(source, back[k])) return false;
-        }
-        if (i < cutter->depth) planes = beam_planes(source, next, epsilon, beam);
+        if (!beam_clip(source, &back, epsilon)) return false;
+        if (i < cutter->depth) beam_planes(source, next, epsilon, &beam);
     }
     return true;
 }
@@ -75,11 +71,12 @@ static double longest(const Winding *w, Vec3 *a, Vec3 *b) {
     double best = 0;
     for (int i = 0; i < w->count; i++) {
         for (int k = i + 1; k < w->count; k++) {
-            double length = vec3_length(vec3_sub(w->p[k], w->p[i]));
+            Vec3 p = winding_corner(w, i), q = winding_corner(w, k);
+            double length = vec3_length(vec3_sub(q, p));
             if (length <= best) continue;
             best = length;
-            *a = w->p[i];
-            *b = w->p[k];
+            *a = p;
+            *b = q;
         }
     }
     return best;
@@ -90,13 +87,14 @@ static Verdict try_piece(Cutter *cutter, int level, Winding *piece);
 static Verdict try_halves(Cutter *cutter, int level, const Winding *piece) {
     Vec3 a = {0, 0, 0}, b = {0, 0, 0};
     double length = longest(piece, &a, &b), shortest = SHORTEST_PIECE * cutter->flow->ways->epsilon;
-    if (length < shortest || polygon_area(piece->p, piece->count) < length * shortest) return OPEN;
+    if (length < shortest || winding_area(piece) < length * shortest) return OPEN;
     Vec3 along = vec3_scale(vec3_sub(b, a), 1 / length), middle = vec3_lerp(a, b, 0.5);
     Verdict worst = EXCLUDED;
     for (int side = -1; side <= 1; side += 2) {
         Winding half;
         winding_copy(&half, piece);
-        if (!winding_clip(&half, separator_of(vec3_scale(along, side), middle, 0))) continue;
+        Vec3 n = vec3_scale(along, side);
+        if (!winding_clip(&half, (Plane){n, vec3_dot(n, middle)}, 0)) continue;
         Verdict verdict = try_piece(cutter, level + 1, &half);
         if (verdict == PROVEN) return PROVEN;
         if (verdict == OPEN) worst = OPEN;
@@ -250,6 +248,7 @@ void settle_pairs(Rounds *r) {
     for (int i = 0; i < r->threads; i++) {
         flow_start(&run.flows[i], &r->ways, r->might);
         run.flows[i].arrive = arrive;
+        run.flows[i].go_on = rounds_go_on;
         run.flows[i].patience = patience(run.total);
     }
     for (run.before = 0; run.before < run.total && !r->stopped && run.left > 0; run.before += run.count) {

@@ -43,10 +43,10 @@ static bool passes(Flow *flow, int depth, Sight sight) {
 }
 
 bool sight_from_point(Flow *flow, int depth, Vec3 from, Sight *out) {
-    Separator cone[WINDING_MAX];
-    Winding left = {.count = 0};
+    Separators cone;
+    Winding left;
     double epsilon = flow->ways->epsilon;
-    int planes = 0;
+    cone.count = left.count = 0;
     if (flow->ways->ways[flow->steps[0]->beam.way].coarse) return false;
     for (int i = 1; i <= depth; i++) {
         const WayShape *way = &flow->ways->ways[flow->steps[i]->beam.way];
@@ -55,10 +55,8 @@ bool sight_from_point(Flow *flow, int depth, Vec3 from, Sight *out) {
                                -SIGHT_MARGIN * (epsilon + facet_doubt(&way->facet, from)))
             return false;
         way_winding(way, &left);
-        for (int k = 0; k < planes; k++) {
-            if (!winding_clip(&left, cone[k])) return false;
-        }
-        planes = flow_cone(from, &left, epsilon, cone);
+        if (!beam_clip(&left, &cone, epsilon)) return false;
+        flow_cone(from, &left, &cone);
     }
     *out = (Sight){from, winding_middle(&left)};
     return passes(flow, depth, *out);
@@ -78,8 +76,8 @@ bool sight_through(Flow *flow, int depth, const Winding *source, Sight *out) {
     Vec3 middle = winding_middle(source);
     if (sight_from_point(flow, depth, middle, out)) return true;
     for (int i = 0; i < 2 * source->count; i++) {
-        Vec3 p = source->p[i / 2];
-        if (i % 2) p = vec3_lerp(p, source->p[i / 2 + 1 == source->count ? 0 : i / 2 + 1], 0.5);
+        Vec3 p = winding_corner(source, i / 2);
+        if (i % 2) p = vec3_lerp(p, winding_corner(source, i / 2 + 1), 0.5);
         if (sight_from_point(flow, depth, vec3_lerp(p, middle, INWARDS), out)) return true;
     }
     return false;

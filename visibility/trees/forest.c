@@ -166,11 +166,11 @@ static bool narrow(const Grower *g, Level *from, int way, Level *to) {
     const WayGraph *ways = &g->source->ways;
     Beam *beam = &from->beam;
     if (!from->spread && from != g->levels[0])
-        beam->plane_count = beam_planes(&beam->source, &beam->pass, ways->epsilon, beam->planes);
+        beam_planes(&beam->source, &beam->pass, ways->epsilon, &beam->planes);
     from->spread = true;
     uint64_t cutting;
     ChainWork work = {0};
-    if (beam_ball(&ways->ways[way], beam->planes, beam->plane_count, &cutting) < 0) return false;
+    if (beam_meets(&ways->ways[way], &beam->planes, ways->epsilon, &cutting) < 0) return false;
     return beam_narrow(ways, &g->levels[0]->beam, beam, way, cutting, &to->beam, &work);
 }
 

@@ -194,8 +194,8 @@ Test(pairs, ways_are_portals_both_ways) {
     }
 }
 
-// A convex polygon anywhere, as regular as may be.
-static Winding random_winding(Random *random, double spread) {
+// A convex polygon anywhere, as regular as may be, in the plane of `facet`.
+static Winding random_winding(Random *random, double spread, Facet *facet) {
     Winding w = {.count = 3 + random_index(random, 6)};
     Vec3 n = fixture_direction(random), u = vec3_normalize(vec3_cross(n, fixture_direction(random))),
          v = vec3_cross(n, u);
@@ -203,15 +203,19 @@ static Winding random_winding(Random *random, double spread) {
     double size = random_between(random, 0.1, 2);
     for (int i = 0; i < w.count; i++) {
         double turn = 2 * M_PI * (i + random_between(random, -0.3, 0.3)) / w.count;
-        w.p[i] = vec3_add(middle, vec3_add(vec3_scale(u, size * cos(turn)), vec3_scale(v, size * sin(turn))));
+        winding_set(
+            &w, i,
+            vec3_add(middle, vec3_add(vec3_scale(u, size * cos(turn)), vec3_scale(v, size * sin(turn)))));
     }
-    w.facet = (Facet){.plane = {n, vec3_dot(n, middle)}, .middle = middle};
+    winding_close(&w);
+    *facet = (Facet){.plane = {n, vec3_dot(n, middle)}, .middle = middle};
+    w.facet = facet;
     return w;
 }
 
 // Surely, as its plane is known to: to `bend`, and by `tilt` a metre less away from its middle.
 static bool is_ahead(const Winding *edges, int side, Vec3 p) {
-    const Facet *f = &edges->facet;
+    const Facet *f = edges->facet;
     double doubt = f->bend + f->tilt * vec3_length(vec3_sub(p, f->middle));
     return side * plane_distance(f->plane, p) > 1e-9 + doubt;
 }
@@ -223,38 +227,42 @@ Test(pairs, tangents_are_all_there_are) {
     Random random = {31};
     int found = 0, none = 0, partly = 0;
     for (int n = 0; n < 20000; n++) {
-        Winding edges = random_winding(&random, 0),
-                other = random_winding(&random, random_between(&random, 0.5, 6));
+        Facet facets[2];
+        Winding edges = random_winding(&random, 0, &facets[0]),
+                other = random_winding(&random, random_between(&random, 0.5, 6), &facets[1]);
         int side = n % 2 ? 1 : -1, count = 0, ahead = 0;
         int keep = n / 2 % 2 ? KEEP_OTHER : KEEP_EDGES;
-        Separator out[WINDING_MAX];
-        if (n % 3 == 0) edges.facet.bend = 1e-3, edges.facet.tilt = 0.05;
-        int given = winding_tangents(&edges, &other, side, keep, EPSILON, out);
-        for (int k = 0; k < other.count; k++) ahead += is_ahead(&edges, side, other.p[k]);
+        Separators out = {.count = 0};
+        if (n % 3 == 0) facets[0].bend = 1e-3, facets[0].tilt = 0.05;
+        winding_tangents(&edges, &other, side, keep, EPSILON, &out);
+        int given = out.count;
+        for (int k = 0; k < other.count; k++) ahead += is_ahead(&edges, side, winding_corner(&other, k));
         partly += ahead > 0 && ahead < other.count;
         for (int i = 0; i < edges.count; i++) {
-            Vec3 a = edges.p[i], along = vec3_scale(vec3_sub(edges.p[(i + 1) % edges.count], a), side),
+            Vec3 a = winding_corner(&edges, i),
+                 along = vec3_scale(vec3_sub(winding_corner(&edges, (i + 1) % edges.count), a), side),
                  normal = {0, 0, 0};
             bool there = false;
             for (int k = 0; k < other.count && !there; k++) {
-                if (!is_ahead(&edges, side, other.p[k])) continue;
-                normal = vec3_normalize(vec3_cross(along, vec3_sub(other.p[k], a)));
+                Vec3 p = winding_corner(&other, k);
+                if (!is_ahead(&edges, side, p)) continue;
+                normal = vec3_normalize(vec3_cross(along, vec3_sub(p, a)));
                 there = true;
                 for (int c = 0; c < other.count; c++)
-                    there = there && vec3_dot(normal, vec3_sub(other.p[c], a)) > -1e-12;
+                    there = there && vec3_dot(normal, vec3_sub(winding_corner(&other, c), a)) > -1e-12;
             }
             none += !there;
             if (!there) continue;
             found++;
             cr_assert_lt(count, given, "case %d: edge %d has a tangent", n, i);
-            Separator s = out[count++];
-            double length = vec3_length(s.n), sign = keep == KEEP_OTHER ? 1 : -1;
-            cr_assert_float_eq(vec3_dot(s.n, normal), sign * length, 1e-6 * length, "case %d: edge %d", n, i);
-            cr_assert_float_eq(s.d, vec3_dot(s.n, a), 1e-9 * (1 + length));
-            cr_assert(s.slack >= EPSILON * length * 0.999 && s.slack <= 1.8 * EPSILON * length);
+            Plane s = separators_at(&out, count++);
+            double sign = keep == KEEP_OTHER ? 1 : -1;
+            cr_assert_float_eq(vec3_length(s.n), 1, 1e-12);
+            cr_assert_float_eq(vec3_dot(s.n, normal), sign, 1e-6, "case %d: edge %d", n, i);
+            cr_assert_float_eq(s.d, vec3_dot(s.n, a), 1e-9);
             for (int c = 0; c < edges.count; c++)
-                cr_assert_leq(sign * (vec3_dot(s.n, edges.p[c]) - s.d), 1e-9, "case %d: the edges lie behind",
-                              n);
+                cr_assert_leq(sign * plane_distance(s, winding_corner(&edges, c)), 1e-9,
+                              "case %d: the edges lie behind", n);
         }
         cr_assert_eq(count, given, "case %d: %d tangents, not %d", n, given, count);
     }

@@ -420,7 +420,7 @@ static void check_given_portal(Check *c, int i) {
         return;
     }
     double off = polygon_bend(v, p->vertex_count, plane_of_polygon(v, p->vertex_count));
-    if (polygon_area(v, p->vertex_count) < MAPS_SMALLEST_AREA) {
+    if (maps_portal_is_thin(v, p->vertex_count)) {
         check_fault(c, "given portal %d at (%.3f, %.3f, %.3f): no area", i, v[0].x, v[0].y, v[0].z);
     } else if (off > GIVEN_BEND) {
         check_fault(c, "given portal %d at (%.3f, %.3f, %.3f): bends by %.4f m (limit %g)", i, v[0].x, v[0].y,

@@ -397,3 +397,15 @@ const char *opening_kind_name(OpeningKind kind) {
     static const char *const names[OPENING_KINDS] = {"door", "passage", "window"};
     return kind >= 0 && kind < OPENING_KINDS ? names[kind] : "unknown opening";
 }
+
+bool maps_portal_is_thin(const Vec3 *corners, int count) {
+    static const double THIN = 1e-12;
+    double longest = 0;
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < i; k++) {
+            Vec3 d = vec3_sub(corners[i], corners[k]);
+            longest = fmax(longest, vec3_dot(d, d));
+        }
+    }
+    return !(polygon_area(corners, count) > THIN * longest);
+}

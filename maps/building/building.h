@@ -353,6 +353,9 @@ enum { LEAF_CORNERS = 32 };
 #define TEXTURE_FARTHEST 1e6
 // Polygons of less area are dropped and are faults, m^2: a square of a tenth of a millimetre is visible nowhere.
 #define MAPS_SMALLEST_AREA 1e-8
+// Is a portal of given cells too thin to have a plane: has it less area than a square of a millionth of its length? Portal files come in
+// any unit, so no area of metres would do.
+bool maps_portal_is_thin(const Vec3 *corners, int count);
 // Coordinates beyond this are refused, metres: up to here the grid is exact in doubles, and georeferenced plans fit.
 #define MAPS_LIMIT 1e8
 // The most cells of free space: which cell sees which is a table with a bit for each pair, then half a gigabyte.

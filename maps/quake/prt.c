@@ -104,7 +104,7 @@ static bool read_portal(Scan *t, Arena *arena, Building *b, GivenPortal *out, Er
                          t->path, t->line, scan_quote(t, quote), count);
     }
     out->vertex_count = 0;
-    if (polygon_area(corner, count) < MAPS_SMALLEST_AREA) return true;
+    if (maps_portal_is_thin(corner, count)) return true;
     if (!check_shape(t, corner, count, error)) return false;
     out->first_vertex = b->vertex_count;
     out->vertex_count = count;

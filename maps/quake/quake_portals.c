@@ -110,7 +110,7 @@ static bool add_piece(Maker *m, int front, int back, const Piece *piece) {
         for (int k = 0; k < i; k++)
             longest = fmax(longest, vec3_length(vec3_sub(piece->corner[i], piece->corner[k])));
     }
-    if (area < MAPS_SMALLEST_AREA || area < longest * NARROWEST / QUAKE_METRE) {
+    if (maps_portal_is_thin(piece->corner, piece->count) || area < longest * NARROWEST / QUAKE_METRE) {
         m->slivers++;
         return true;
     }

@@ -91,6 +91,19 @@ Test(prt, leaves_of_cells) {
     }
 }
 
+// A portal file in a unit of its own keeps its smallest portals: one of a thousandth of a unit stays, a line of corners does not.
+Test(prt, small_portals) {
+    Arena arena = {0};
+    Building b;
+    accept(&arena,
+           "PRT1\n2\n2\n4 0 1 (0 0 0 ) (0 0 1e-3 ) (0 1e-3 1e-3 ) (0 1e-3 0 )\n3 0 1 (0 0 0 ) (0 1 1 ) (0 2 "
+           "2 )\n",
+           &b);
+    cr_expect_eq(b.given_portal_count, 1);
+    cr_expect_eq(soups_notes(&b, "1 portals have no area"), 1);
+    arena_free(&arena);
+}
+
 // Every fault is refused with its line, what was found and what is allowed.
 Test(prt, faults) {
     static const struct {

@@ -204,7 +204,7 @@ bool prt_read(const char *path, Bytes content, Arena *arena, Building *out, PrtL
     Scan t = scan_begin(path, content);
     *out = (Building){.form = FORM_CELLS, .map = out->map, .file_size = out->file_size};
     *leaves = (PrtLeaves){0};
-    PrtKind kind;
+    PrtKind kind = PRT1;
     if (!read_head(&t, out, &kind, leaves, error) || !read_portals(&t, arena, out, error) ||
         !read_leaves(&t, kind, out, arena, leaves, error))
         return false;

@@ -93,8 +93,6 @@ bool quake_read(const char *path, Bytes content, Arena *arena, QuakeLevel *out, 
 int quake_count(const QuakeLevel *level, QuakeLump lump);
 const unsigned char *quake_record(const QuakeLevel *level, QuakeLump lump, int i);
 
-// Does the leaf stop all sight: is it solid, or sky?
-bool quake_is_opaque(const QuakeLevel *level, int leaf);
 // The leaf that holds a point, metres.
 int quake_locate(const QuakeLevel *level, Vec3 point);
 
@@ -104,7 +102,6 @@ int quake_locate(const QuakeLevel *level, Vec3 point);
 typedef struct QuakeCells {
     Building building;
     int *cell_of_leaf;  // [leaf_count] -1: the leaf is solid or in no cluster
-    bool from_file;     // the portals are those of a portal file
 } QuakeCells;
 
 // Which portals a level is taken with.

@@ -62,8 +62,7 @@ bool quake_cells(const QuakeLevel *level, const QuakePortals *portals, Arena *ar
                  Error *error) {
     static const size_t MOST_BYTES = (size_t)1 << 30;
     *out = (QuakeCells){.building = {.form = FORM_CELLS},
-                        .cell_of_leaf = ARENA_ARRAY(arena, int, level->leaf_count),
-                        .from_file = portals->file != NULL};
+                        .cell_of_leaf = ARENA_ARRAY(arena, int, level->leaf_count)};
     if (!portals->file) {
         cells_of_leaves(level, out);
         if (out->building.given_cell_count > MAPS_MAX_CELLS) {

@@ -58,7 +58,8 @@ enum {
     II_TRANSLUCENT = 0x10000000
 };
 
-bool quake_is_opaque(const QuakeLevel *level, int leaf) {
+// Does the leaf stop all sight: is it solid, or sky?
+static bool is_opaque(const QuakeLevel *level, int leaf) {
     int contents = level->leaves[leaf].contents;
     if (level->format == QUAKE_IBSP38) return contents & II_SOLID;
     return contents == SOLID || contents == SKY;
@@ -80,7 +81,7 @@ static int visible_contents(const Maker *m, int contents) {
 
 static bool sight_passes(const Maker *m, int a, int b) {
     const QuakeLevel *level = m->level;
-    if (quake_is_opaque(level, a) || quake_is_opaque(level, b)) return false;
+    if (is_opaque(level, a) || is_opaque(level, b)) return false;
     int one = level->leaves[a].contents, other = level->leaves[b].contents;
     if (level->format == QUAKE_IBSP38)
         return (one & II_VISIBLE) == (other & II_VISIBLE) ||

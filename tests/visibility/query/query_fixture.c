@@ -73,18 +73,24 @@ typedef struct Line {
 // Lines nearer than this to an edge of a portal are given up: rounding decides them. Metres.
 static const double DOUBTFUL = 1e-6;
 
-// Where the line leaves the cell, or -1 where it is in it for no stretch worth the name after `after`.
-static double leaves_at(const CellGraph *g, int c, const Line *line, double after) {
+// The stretch of the line after `after` that lies in the cell; false where there is none worth the name.
+static bool stretch_in(const CellGraph *g, int c, const Line *line, double after, double *in, double *out) {
     Plane planes[256];
-    double in = after, out = INFINITY;
+    *in = after, *out = INFINITY;
     int count = query_check_cell_planes(g, c, planes);
     for (int i = 0; i < count; i++) {
         double off = plane_distance(planes[i], line->from), rate = vec3_dot(planes[i].n, line->way);
-        if (rate > 0) in = fmax(in, -off / rate);
-        if (rate < 0) out = fmin(out, -off / rate);
-        if (rate == 0 && off < 0) return -1;
+        if (rate > 0) *in = fmax(*in, -off / rate);
+        if (rate < 0) *out = fmin(*out, -off / rate);
+        if (rate == 0 && off < 0) return false;
     }
-    return out > in + 10 * DOUBTFUL && in < after + DOUBTFUL ? out : -1;
+    return *out > *in + 10 * DOUBTFUL;
+}
+
+// Where the line leaves the cell that it is in after `after`, else -1.
+static double leaves_at(const CellGraph *g, int c, const Line *line, double after) {
+    double in, out;
+    return stretch_in(g, c, line, after, &in, &out) && in < after + DOUBTFUL ? out : -1;
 }
 
 static bool is_closed(const Portal *portal, const float *doors) {
@@ -264,18 +270,10 @@ void query_check_check_eye(Made *m, int cell, Vec3 position, Culling culling, bo
     }
 }
 
-// Where the line enters the cell after `after`, or INFINITY where it is in it for no stretch worth the name.
+// Where the line enters the cell after `after`, or INFINITY where it does not.
 static double enters_at(const CellGraph *g, int c, const Line *line, double after) {
-    Plane planes[256];
-    double in = after, out = INFINITY;
-    int count = query_check_cell_planes(g, c, planes);
-    for (int i = 0; i < count; i++) {
-        double off = plane_distance(planes[i], line->from), rate = vec3_dot(planes[i].n, line->way);
-        if (rate > 0) in = fmax(in, -off / rate);
-        if (rate < 0) out = fmin(out, -off / rate);
-        if (rate == 0 && off < 0) return INFINITY;
-    }
-    return out > in + 10 * DOUBTFUL ? in : INFINITY;
+    double in, out;
+    return stretch_in(g, c, line, after, &in, &out) ? in : INFINITY;
 }
 
 void query_check_look_from(Made *m, int cell, Vec3 position, Culling culling, Random *random, Tally *tally) {

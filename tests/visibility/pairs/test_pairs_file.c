@@ -55,6 +55,10 @@ Test(pairs_file, a_stopped_search_goes_on) {
         cr_expect(within(last.proven, whole.seen, &last));
     }
     cr_expect_geq(stops, 3);
+    // All that is known is not looked for again.
+    PairSet again = search(graph, &whole, 0, &arena);
+    cr_expect_lt(again.work.chains, whole.work.chains / 2, "%lld chains after %lld", again.work.chains,
+                 whole.work.chains);
     remove(path);
     arena_free(&arena);
 }

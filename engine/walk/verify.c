@@ -20,6 +20,7 @@ struct WalkVerify {
     int view_count;
     uint32_t *culled_colour, *unculled_colour;
     int *object_of;       // [polygon_count]
+    int *list;            // [polygon_count] the items' list
     int *opaque, *glass;  // [object_count + 1] where each object's polygons begin in the items' list
     unsigned *drawn;      // [object_count] the last frame whose draw list had the object
     unsigned *counted;    // [polygon_count] the last count that the polygon was part of
@@ -66,6 +67,7 @@ static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
         }
         first[graph->object_count] = count;
     }
+    v->list = list;
     v->vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
     memcpy(v->vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *v->vertices);
     Scene scene = {graph->polygons, v->vertices, list, count};
@@ -112,10 +114,25 @@ static void make_images(WalkVerify *v, int width, int height) {
     v->unculled_colour = ARENA_ARRAY(&v->images, uint32_t, pixels);
 }
 
-static bool draw_objects(WalkVerify *v, const int *first, bool all, Error *error) {
+// Adds the polygons of an object from `first` to `end` of the items' list, but for those in whose plane the eye is.
+static void add_before(WalkVerify *v, int first, int end, Vec3 eye) {
+    for (int i = first; i < end; i++) {
+        const Polygon *polygon = &v->graph->polygons[v->list[i]];
+        Plane plane = plane_of_polygon(v->vertices + polygon->first_vertex, polygon->vertex_count);
+        if (fabs(plane_distance(plane, eye)) >= VERIFY_IN_SURFACE) gl_items_add(v->items, i, 1);
+    }
+}
+
+// With an eye, polygons that it is in are left out.
+static bool draw_objects(WalkVerify *v, const int *first, bool all, const Vec3 *eye, Error *error) {
     for (int o = 0; o < v->graph->object_count; o++) {
         bool draw = all ? vis_shown(&v->graph->objects[o], v->door_open) : v->drawn[o] == v->frame;
-        if (draw) gl_items_add(v->items, first[o], first[o + 1] - first[o]);
+        if (!draw) continue;
+        if (eye && box_contains(box_grow(v->graph->object_boxes[o], VERIFY_IN_SURFACE), *eye)) {
+            add_before(v, first[o], first[o + 1], *eye);
+        } else {
+            gl_items_add(v->items, first[o], first[o + 1] - first[o]);
+        }
     }
     return gl_items_draw(v->items, error);
 }
@@ -160,17 +177,17 @@ static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint
 
 // Draws both frames once more with glass on top, and adds the polygons missing there.
 static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out, Error *error) {
-    if (!draw_objects(v, v->glass, true, error) ||
+    if (!draw_objects(v, v->glass, true, NULL, error) ||
         !gl_items_read(v->items, &v->with_glass, v->unculled_colour, error)) {
         return false;
     }
     out->missing_polygons += walk_verify_missing(v, &v->with_glass, &out->missing);
     double start = clock_seconds();
-    if (!gl_items_look(v->items, camera, NULL, error) || !draw_objects(v, v->opaque, false, error))
+    if (!gl_items_look(v->items, camera, NULL, error) || !draw_objects(v, v->opaque, false, NULL, error))
         return false;
     if (!gl_items_read(v->items, &v->culled, NULL, error)) return false;
     out->mismatched_pixels += count_mismatches(&v->culled, &v->unculled, NULL, NULL);
-    if (!draw_objects(v, v->glass, false, error) ||
+    if (!draw_objects(v, v->glass, false, NULL, error) ||
         !gl_items_read(v->items, &v->culled, v->culled_colour, error)) {
         return false;
     }
@@ -183,8 +200,10 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
 // Draws what is seen in a mirror, with or without culling, and with glass as if it were opaque, if wanted.
 static bool draw_mirror(WalkVerify *v, const MirrorView *view, bool all, bool glass, ItemBuffer *out,
                         Error *error) {
+    const Vec3 *eye = &view->camera.eye;
     return gl_items_look(v->items, &view->camera, &view->before, error) &&
-           draw_objects(v, v->opaque, all, error) && (!glass || draw_objects(v, v->glass, all, error)) &&
+           draw_objects(v, v->opaque, all, eye, error) &&
+           (!glass || draw_objects(v, v->glass, all, eye, error)) &&
            gl_items_read(v->items, out, NULL, error);
 }
 
@@ -245,7 +264,7 @@ bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const floa
     out->visible = vis_query(v->query, &eye, cell, door_open, culling);
     out->query_seconds = clock_seconds() - start;
     mark_drawn(v, out->visible.objects, out->visible.object_count);
-    if (!gl_items_look(v->items, camera, NULL, error) || !draw_objects(v, v->opaque, true, error) ||
+    if (!gl_items_look(v->items, camera, NULL, error) || !draw_objects(v, v->opaque, true, NULL, error) ||
         !gl_items_read(v->items, &v->unculled, NULL, error)) {
         return false;
     }

@@ -7,6 +7,10 @@
 #include "engine/draw/mirrors.h"
 #include "engine/draw/view.h"
 
+// An eye this near a surface is in it to a rasteriser, which draws the surface edge-on, or through the near plane, metres: GL items do
+// so within 1e-5.
+#define VERIFY_IN_SURFACE 2e-5
+
 typedef struct WalkVerify WalkVerify;
 
 // Opens an off-screen OpenGL context. The frames show the objects of the graph.
@@ -23,7 +27,8 @@ typedef struct VerifyFrame {
 } VerifyFrame;
 
 // First the opaque polygons are compared; then glass, drawn over them as if it were opaque; then the same in each mirror that the camera
-// sees (at most MIRRORS_SHOWN), at the mirror's pixels but those at its borders. Its faults count with the others.
+// sees (at most MIRRORS_SHOWN), at the mirror's pixels but those at its borders, and without polygons that the image of the camera is in,
+// behind the mirror. Its faults count with the others.
 // `door_open` as for vis_query.
 bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const float *door_open,
                        Culling culling, VerifyFrame *out, Error *error);

@@ -8,8 +8,6 @@
 // How near the eyes come to corners, metres.
 #define NEAR_LEAST 1e-4
 #define NEAR_MOST 3e-3
-// An eye this near a surface is in it to a rasteriser, which then draws the surface edge-on, metres: GL items do so within 1e-5.
-#define IN_SURFACE 2e-5
 // How often a cell or portal of the wanted kind is looked for.
 #define TRIES 64
 
@@ -178,17 +176,17 @@ static const struct {
              {"outdoors", outdoors}};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
-// Is the point within IN_SURFACE of a polygon of the object?
+// Is the point within VERIFY_IN_SURFACE of a polygon of the object?
 static bool touches(const CellGraph *graph, int object, Vec3 p) {
-    if (!box_contains(box_grow(graph->object_boxes[object], IN_SURFACE), p)) return false;
+    if (!box_contains(box_grow(graph->object_boxes[object], VERIFY_IN_SURFACE), p)) return false;
     const Object *o = &graph->objects[object];
     for (int i = o->first_polygon; i < o->first_polygon + o->polygon_count; i++) {
         const Polygon *polygon = &graph->polygons[i];
         const Vec3 *v = graph->vertices + polygon->first_vertex;
         Box box = box_empty();
         for (int k = 0; k < polygon->vertex_count; k++) box = box_add(box, v[k]);
-        if (box_contains(box_grow(box, IN_SURFACE), p) &&
-            fabs(plane_distance(plane_of_polygon(v, polygon->vertex_count), p)) < IN_SURFACE)
+        if (box_contains(box_grow(box, VERIFY_IN_SURFACE), p) &&
+            fabs(plane_distance(plane_of_polygon(v, polygon->vertex_count), p)) < VERIFY_IN_SURFACE)
             return true;
     }
     return false;

@@ -113,6 +113,28 @@ Test(mirrors, equal_rays_in_the_house, .timeout = 600) {
     expect_mirrors("build/maps/house.plan", 2, support_count(150, 2000));
 }
 
+// The camera stands in a doorway of the house, and its image two micrometres from a wall that passes behind the mirror. To floats that
+// wall reaches through the image's near plane.
+Test(mirrors, the_image_of_the_eye_may_be_in_a_wall) {
+    Walked walked = {0};
+    Error error;
+    walk_check_open_building(&walked, "build/maps/house.plan");
+    WalkVerify *verify = walk_verify_new(&walked.graph, &walked.forest, &walked.arena, &error);
+    cr_assert(verify, "%s", error.text);
+    Vec3 eye = {8.2 - 2e-6, 1.04693183, 3.28190318};
+    Camera camera = camera_look(eye, 1.7226, -0.1315, 2, 640, 360);
+    for (int i = 0; i < walked.building.opening_count; i++) walked.doors[i] = 1;
+    VerifyFrame frame;
+    cr_assert(walk_verify_frame(verify, &camera, vis_locate(&walked.graph, eye, -1), walked.doors, CULL_STAB,
+                                &frame, &error),
+              "%s", error.text);
+    cr_assert_gt(frame.mirror_pixels, 1000);
+    cr_assert(frame.missing_polygons == 0 && frame.mismatched_pixels == 0,
+              "%d polygons missing, %d pixels differ", frame.missing_polygons, frame.mismatched_pixels);
+    walk_verify_free(verify);
+    arena_free(&walked.arena);
+}
+
 // ---- the drawn picture
 
 static const uint8_t *pixel_of(const uint8_t *picture, int x, int y) { return picture + 3 * (y * WIDTH + x); }

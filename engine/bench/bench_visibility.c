@@ -4,8 +4,6 @@
 //
 // Every run has a process of its own: peak memory is the run's, and no thread is left over from an earlier one.
 #include <errno.h>
-#include <fcntl.h>
-#include <ftw.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -18,6 +16,7 @@
 #include <unistd.h>
 
 #include "engine/bench/bench.h"
+#include "engine/bench/peer.h"
 #include "engine/core/clock.h"
 #include "engine/core/error.h"
 #include "engine/core/file.h"
@@ -29,8 +28,7 @@
 #include "visibility/pairs/seen_file.h"
 
 typedef struct PeerRun {
-    double cpu_seconds, wall_seconds;
-    double peak_mb;  // at least the memory that this process holds when it starts the program
+    PeerUsage usage;
     uint64_t
         *seen;  // as PairSet.seen, but as the program left it: neither symmetric nor with its diagonal set
     int cell_count;
@@ -94,12 +92,7 @@ static bool bsp29_read_seen(const char *path, int cell_count, Arena *arena, uint
     return quake_rows(&level, words, *rows, error);
 }
 
-enum { MOST_BYTES = 1 << 28, MOST_CELLS = 1 << 16, OPEN_FOLDERS = 8 };
-
-static int remove_entry(const char *path, const struct stat *status, int type, struct FTW *at) {
-    (void)status, (void)type, (void)at;
-    return remove(path);
-}
+enum { MOST_BYTES = 1 << 28, MOST_CELLS = 1 << 16 };
 
 static int count_cells(Bytes content) {
     int cells = 0;
@@ -108,71 +101,27 @@ static int count_cells(Bytes content) {
                : 0;
 }
 
-// Its output goes to `log`.
-_Noreturn static void become(const char *program, const char *threads, const char *level, const char *log) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it then
-    int in = open("/dev/null", O_RDONLY), out = open(log, O_WRONLY | O_CREAT, 0600);
-    if (in >= 0 && out >= 0 && dup2(in, 0) >= 0 && dup2(out, 1) >= 0 && dup2(out, 2) >= 0)
-        execlp(program, program, "-threads", threads, level, (char *)NULL);
-    fprintf(stderr, "%s\n", strerror(errno));
-    _exit(127);
-}
+typedef struct PeerJob {
+    const char *program, *file;
+    int threads;
+    PeerRun *out;
+} PeerJob;
 
-// The last line that a failed program wrote, for the sentence about it.
-static const char *last_line(const char *log, Arena *arena) {
-    Bytes text;
-    if (!file_read(log, MOST_BYTES, arena, &text, NULL)) return "";
-    char *start = (char *)text.data, *end = start + text.size;
-    while (end > start && (end[-1] == '\n' || end[-1] == '\r')) *--end = 0;
-    char *line = strrchr(start, '\n');
-    return line ? line + 1 : start;
-}
-
-static bool run_compiler(const char *program, int threads, const char *folder, Arena *arena, PeerRun *out,
-                         Error *error) {
-    const char *level = arena_format(arena, "%s/map.bsp", folder),
-               *log = arena_format(arena, "%s/log", folder);
-    const char *number = arena_format(arena, "%d", threads);
-    double start = clock_seconds();
-    pid_t child = fork();
-    if (child < 0) return error_set(error, "%s: cannot be started: %s", program, strerror(errno));
-    if (child == 0) become(program, number, level, log);
-    int status;
-    struct rusage used;
-    while (wait4(child, &status, 0, &used) < 0) {
-        if (errno != EINTR) return error_set(error, "%s: is lost: %s", program, strerror(errno));
-    }
-    out->wall_seconds = clock_seconds() - start;
-    out->cpu_seconds = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
-                       1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
-    out->peak_mb = (double)used.ru_maxrss / 1024;
-    if (WIFSIGNALED(status)) return error_set(error, "%s: ended by signal %d", program, WTERMSIG(status));
-    if (WEXITSTATUS(status) == 0) return bsp29_read_seen(level, out->cell_count, arena, &out->seen, error);
-    return error_set(error, "%s: exit status %d: %s", program, WEXITSTATUS(status), last_line(log, arena));
-}
-
-static void remove_folder(void *folder) { nftw(folder, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS); }
-
-// Runs the program in a new folder, so that it finds no files of an earlier run. Fails with a sentence that holds the program's
-// message.
-static bool peer_run(const char *program, const char *file, int threads, Arena *arena, PeerRun *out,
-                     Error *error) {
+static bool run_compiler(const char *folder, void *context, Arena *arena, Error *error) {
+    const PeerJob *job = context;
+    PeerRun *out = job->out;
     Bytes portals;
-    if (!file_read(file, MOST_BYTES, arena, &portals, error)) return false;
+    if (!file_read(job->file, MOST_BYTES, arena, &portals, error)) return false;
     *out = (PeerRun){.cell_count = count_cells(portals)};
-    if (!out->cell_count) return error_set(error, "%s: is no PRT1 file, which `%s` reads", file, program);
-    const char *base = getenv("TMPDIR");
-    char *folder = arena_format(arena, "%s/enfilade-peer-XXXXXX", base && *base ? base : "/tmp");
-    if (!mkdtemp(folder)) return error_set(error, "%s: cannot be made: %s", folder, strerror(errno));
-    MemoryEnd end = {.undo = remove_folder, .context = folder};
-    memory_add_end(&end);
+    if (!out->cell_count)
+        return error_set(error, "%s: is no PRT1 file, which `%s` reads", job->file, job->program);
     Bytes level = bsp29_make(out->cell_count, arena);
-    bool good = file_write(arena_format(arena, "%s/map.prt", folder), portals.data, portals.size, error) &&
-                file_write(arena_format(arena, "%s/map.bsp", folder), level.data, level.size, error) &&
-                run_compiler(program, threads, folder, arena, out, error);
-    memory_remove_end(&end);
-    remove_folder(folder);
-    return good;
+    const char *path = arena_format(arena, "%s/map.bsp", folder);
+    const char *words[] = {job->program, "-threads", arena_format(arena, "%d", job->threads), path, NULL};
+    return file_write(arena_format(arena, "%s/map.prt", folder), portals.data, portals.size, error) &&
+           file_write(path, level.data, level.size, error) &&
+           peer_run(words, folder, arena, &out->usage, error) &&
+           bsp29_read_seen(path, out->cell_count, arena, &out->seen, error);
 }
 
 // Time and memory that this process used so far.
@@ -366,8 +315,10 @@ static void run_peer(FileBench *b, Arena *arena) {
         return;
     }
     b->has_peer = true;
-    for (int i = 0; i < 2 && b->has_peer; i++)
-        b->has_peer = peer_run(program, b->file, i + 1, arena, &b->peer[i], &b->no_peer);
+    for (int i = 0; i < 2 && b->has_peer; i++) {
+        PeerJob job = {program, b->file, i + 1, &b->peer[i]};
+        b->has_peer = peer_in_folder(run_compiler, &job, arena, &b->no_peer);
+    }
 }
 
 // Where a proven pair is missed: the sightline, so that it can be looked into.
@@ -417,10 +368,10 @@ static void add_method(const FileBench *b, int i, Text *row) {
 static void add_peer(const FileBench *b, Text *row) {
     add_head(b, "peer", row);
     if (b->has_peer) {
-        const PeerRun *one = &b->peer[0], *two = &b->peer[1];
+        const PeerUsage *one = &b->peer[0].usage, *two = &b->peer[1].usage;
         text_append(row, "%.4f,%.4f,%.4f,%.4f,%.1f,", one->cpu_seconds, one->wall_seconds, two->cpu_seconds,
                     two->wall_seconds, one->peak_mb);
-        add_pairs(b, "peer", one->seen, row);
+        add_pairs(b, "peer", b->peer[0].seen, row);
         text_append(row, ",,,,no,%s\n", bench_name(b->arguments->peer));
     } else {
         for (int i = 0; i < FIGURES - 1; i++) text_append(row, "skipped,");

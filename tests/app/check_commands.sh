@@ -188,6 +188,22 @@ if python3 -c '' 2>/dev/null; then
     same "$work/out" "$work/bench.csv" 'the table in the file is another'
     grep -q '^two.prt,peer,2,1,.*,4,4,4,0.0000,0.0000,0,' "$work/bench.csv" || fail "peer: $(tail -1 "$work/bench.csv")"
 fi
+
+# An occlusion culler to compare with: one that answers nothing, one that names objects that are not there, one that draws all.
+printf '#!/bin/sh\necho >"$2"\n' >"$work/culler" && chmod +x "$work/culler"
+expect 1 "$program" bench walk $maps/two-rooms.plan --frames 3 --peer "$work/culler" && says err 'answer 0 is no time'
+printf '#!/bin/sh\necho 1 0 100000 >"$2"\n' >"$work/culler"
+expect 1 "$program" bench walk $maps/two-rooms.plan --frames 3 --peer "$work/culler" && says err 'is `100000` (allowed: 1 to'
+printf '#!/bin/sh\necho 1 5 5 >"$2"\n' >"$work/culler"
+expect 1 "$program" bench walk $maps/two-rooms.plan --frames 3 --peer "$work/culler" && says err 'is `5` (allowed: 6 to'
+cat >"$work/culler" <<'END'
+#!/bin/sh
+awk '$1 == "object" { all = all " " n++ } $1 == "polygon" { used[n - 1] = 1 }
+     $1 == "frame" { line = 2500; for (i = 0; i < n; i++) if (used[i]) line = line " " i; print line }' "$1" >"$2"
+END
+expect 0 "$program" bench walk $maps/two-rooms.plan --frames 3 --peer "$work/culler"
+[ "$(awk -F, '$2 == "none" { n = $5 } $2 == "peer" { print $5 - n, $7, $13 }' "$work/out")" = '0 2500.00 2500.00' ] ||
+    fail "an occlusion culler that draws all: $(tail -1 "$work/out")"
 [ -z "$(ls "$TMPDIR" | grep '^enfilade-peer-')" ] || fail 'a folder of a compiler is left'
 
 # The table: a row a method, no misses, and the compiler's skipped where none is given.

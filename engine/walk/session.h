@@ -3,10 +3,10 @@
 #ifndef WALK_SESSION_H
 #define WALK_SESSION_H
 
+#include "engine/display/display.h"
 #include "engine/draw/walk_renderer.h"
 #include "engine/overlay/hud.h"
 #include "engine/scene/light.h"
-#include "engine/walk/display.h"
 #include "engine/walk/walk_offscreen.h"
 
 // Loads the building at the start, whenever its file changes, and at another hour (walk_scene_load).

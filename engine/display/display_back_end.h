@@ -4,7 +4,7 @@
 #ifndef WALK_DISPLAY_BACK_END_H
 #define WALK_DISPLAY_BACK_END_H
 
-#include "engine/walk/display.h"
+#include "engine/display/display.h"
 
 struct DisplayBackEnd {
     const char *name, *summary;

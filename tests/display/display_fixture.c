@@ -1,5 +1,5 @@
 // display_fixture.c - see the header.
-#include "tests/walk/display_fixture.h"
+#include "tests/display/display_fixture.h"
 
 #include <criterion/criterion.h>
 #include <glad/gl.h>
@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "engine/core/random.h"
-#include "engine/walk/display_back_end.h"
+#include "engine/display/display_back_end.h"
 #include "tests/support/support.h"
 
 Display *display_check_open_display(const DisplayBackEnd *back_end, const DisplayOptions *options,

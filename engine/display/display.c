@@ -1,7 +1,7 @@
 // display.c - calls of the back end, and the queue that makes their events dependable: presses and releases pair up.
-#include "engine/walk/display.h"
+#include "engine/display/display.h"
 
-#include "engine/walk/display_back_end.h"
+#include "engine/display/display_back_end.h"
 
 DisplayOptions display_default_options(void) {
     return (DisplayOptions){.title = "Enfilade", .width = 1280, .height = 720, .vsync = true, .scale = 1};

@@ -2,7 +2,7 @@
 #ifndef TESTS_DISPLAY_FIXTURE_H
 #define TESTS_DISPLAY_FIXTURE_H
 
-#include "engine/walk/display_back_end.h"
+#include "engine/display/display_back_end.h"
 #include "tests/support/support.h"
 
 Display *display_check_open_display(const DisplayBackEnd *back_end, const DisplayOptions *options,

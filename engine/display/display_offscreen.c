@@ -2,8 +2,8 @@
 // be read. Its clock advances by frames, so nothing depends on how fast the machine is.
 #include <glad/gl.h>
 
+#include "engine/display/display_back_end.h"
 #include "engine/gl/gl_context.h"
-#include "engine/walk/display_back_end.h"
 
 // The frames in a second of the display's clock.
 static const double FRAMES_PER_SECOND = 60;

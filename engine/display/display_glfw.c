@@ -5,7 +5,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "engine/walk/display_back_end.h"
+#include "engine/display/display_back_end.h"
 
 typedef struct Window {
     GLFWwindow *glfw;

@@ -10,9 +10,9 @@
 #include <unistd.h>
 
 #include "engine/core/random.h"
-#include "engine/walk/display_back_end.h"
+#include "engine/display/display_back_end.h"
+#include "tests/display/display_fixture.h"
 #include "tests/support/support.h"
-#include "tests/walk/display_fixture.h"
 
 // ---- a window
 

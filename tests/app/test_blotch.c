@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "engine/bench/blotch.h"
+#include "engine/bench/light/blotch.h"
 #include "engine/core/arena.h"
 
 // A wall of 6 x 6 m, seen from straight ahead in 600 x 600 pixels.

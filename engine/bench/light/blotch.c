@@ -1,7 +1,7 @@
 // blotch.c - blotches in octave bands: on each plane of the picture log(shown / truth) is laid on a grid, and smoothed by Gaussians
 // of which each is twice as wide as the one before; their differences are the bands (Burt & Adelson 1983). Pixels are scattered and
 // planes have borders: each Gaussian is divided by the one of the pixels' number (Knutsson & Westin 1993, normalized convolution).
-#include "engine/bench/blotch.h"
+#include "engine/bench/light/blotch.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "engine/bench/bench.h"
-#include "engine/bench/blotch.h"
+#include "engine/bench/light/blotch.h"
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"

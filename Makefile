@@ -29,7 +29,7 @@ submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS
 
 dir := build/$(config)
 layers := engine/core engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
-          maps/doom maps/quake maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
+          maps/doom maps/quake maps/ifc maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show engine/sim engine/tour \
           engine/library engine/scene engine/shade engine/draw engine/overlay engine/display engine/walk engine/stills engine/app engine/bench engine/bench/light

@@ -1,0 +1,447 @@
+// ifc.c - a STEP file of a building becomes an IfcModel: meshes of all products, on several threads.
+//
+// Each product is read by one thread into memory of that thread; what shapes share (representation maps) is made first. Results are put
+// together in the order of the file, so that they do not depend on threads.
+#include "maps/ifc/ifc.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "engine/core/parallel.h"
+#include "maps/ifc/ifc_file.h"
+
+// Products beyond this from the origin of the file are moved near, metres.
+#define FAR_AWAY 10000.0
+
+bool ifc_recognise(Bytes content) {
+    const unsigned char *p = content.data, *end = p + content.size;
+    if (end - p >= 3 && memcmp(p, "\xEF\xBB\xBF", 3) == 0) p += 3;
+    while (p < end && (*p == ' ' || *p == '\n' || *p == '\r' || *p == '\t')) p++;
+    return end - p >= 13 && memcmp(p, "ISO-10303-21;", 13) == 0;
+}
+
+static const char *const TYPE_NAMES[T_COUNT] = {
+#define IFC_TYPE_NAME(name) "IFC" #name,
+    IFC_TYPES(IFC_TYPE_NAME)
+#undef IFC_TYPE_NAME
+};
+
+// The prisms of one product, before they are joined.
+typedef struct Found {
+    IfcFootprint *footprints;
+    IfcRing *rings;
+    Vec2 *points;
+    int footprint_count, ring_count, point_count, footprint_room, ring_room, point_room;
+} Found;
+
+typedef struct Work {
+    IfcFile *file;
+    IfcModel *model;
+    const Relations *relations;
+    Reader *readers;
+    Found *found;  // [product_count]
+} Work;
+
+// ---- representations
+
+// How well a representation shows the body: 2 the body itself, 1 another form of it, 0 a drawing.
+static int body_rank(Reader *r, const StepValue *identifier, const StepValue *type) {
+    const char *id = step_string(&r->file->step, identifier, &r->scratch),
+               *kind = step_string(&r->file->step, type, &r->scratch);
+    static const char *const OTHERS[] = {"Facetation", "Mesh", "Tessellation", "Body-Fallback", "Surface"};
+    static const char *const KINDS[] = {"SweptSolid",   "Brep",       "AdvancedBrep",
+                                        "CSG",          "Clipping",   "MappedRepresentation",
+                                        "SurfaceModel", "SolidModel", "AdvancedSweptSolid",
+                                        "Tessellation", "Surface3D",  "SurfaceOrSolidModel"};
+    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile",   "Box",      "Annotation",
+                                           "Plan", "CoG",       "Clearance", "Lighting", "Reference"};
+    if (strcmp(id, "Body") == 0) return 2;
+    for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
+        if (strcmp(id, OTHERS[i]) == 0) return 1;
+    for (size_t i = 0; i < sizeof DRAWINGS / sizeof *DRAWINGS; i++)
+        if (strcmp(id, DRAWINGS[i]) == 0) return 0;
+    for (size_t i = 0; i < sizeof KINDS / sizeof *KINDS; i++)
+        if (strcmp(kind, KINDS[i]) == 0) return 1;
+    return 0;
+}
+
+// The items of a product's body, in its own frame.
+static void read_body(Reader *r, int record, Body *out) {
+    StepValue v[7], list[3], s[4];
+    Frame identity = frame_identity();
+    ifc_arguments(r, record, v, 7);
+    if (ifc_type(r, v[6].record) != T_PRODUCTDEFINITIONSHAPE || !ifc_arguments(r, v[6].record, list, 3))
+        return;
+    for (int rank = 2; rank > 0 && out->count == 0; rank--) {
+        StepCursor c = ifc_list(r, &list[2]);
+        for (StepValue rep = step_next(&c); rep.kind != STEP_END; rep = step_next(&c)) {
+            if (ifc_type(r, rep.record) != T_SHAPEREPRESENTATION || !ifc_arguments(r, rep.record, s, 4))
+                continue;
+            if (body_rank(r, &s[1], &s[2]) == rank) ifc_representation(r, rep.record, &identity, -1, out);
+            // One form of a body that has several is enough.
+            if (rank == 1 && out->count > 0) break;
+        }
+    }
+}
+
+static Frame product_frame(const IfcProduct *p) {
+    return (Frame){p->axis[0], p->axis[1], p->axis[2], p->place};
+}
+
+// ---- maps
+
+static void copy_body(Arena *arena, const Body *from, Body *to) {
+    *to = (Body){.items = ARENA_ARRAY(arena, Item, from->count), .count = from->count};
+    for (int i = 0; i < from->count; i++) {
+        const Item *a = &from->items[i];
+        Item *b = &to->items[i];
+        *b = *a;
+        b->shape.corners = memcpy(ARENA_ARRAY(arena, Vec3, a->shape.corner_count), a->shape.corners,
+                                  (size_t)a->shape.corner_count * sizeof(Vec3));
+        b->shape.faces = memcpy(ARENA_ARRAY(arena, ShapeFace, a->shape.face_count), a->shape.faces,
+                                (size_t)a->shape.face_count * sizeof(ShapeFace));
+        if (a->prism.ring_count == 0) continue;
+        int total = 0;
+        b->prism.size = memcpy(ARENA_ARRAY(arena, int, a->prism.ring_count), a->prism.size,
+                               (size_t)a->prism.ring_count * sizeof(int));
+        for (int k = 0; k < a->prism.ring_count; k++) total += a->prism.size[k];
+        b->prism.corners =
+            memcpy(ARENA_ARRAY(arena, Vec3, total), a->prism.corners, (size_t)total * sizeof(Vec3));
+    }
+}
+
+typedef struct MapWork {
+    Work *work;
+    Body *bodies;
+    Arena *arenas;  // [threads]
+} MapWork;
+
+static void read_map(void *context, int index, int thread) {
+    MapWork *maps = context;
+    Reader *r = &maps->work->readers[thread];
+    StepValue m[2];
+    Body body = {0};
+    Frame identity = frame_identity();
+    r->product = -1;
+    ifc_arguments(r, maps->work->file->maps.pair[index].key, m, 2);
+    ifc_representation(r, m[1].record, &identity, -1, &body);
+    copy_body(&maps->arenas[thread], &body, &maps->bodies[index]);
+    arena_reset(&r->scratch);
+}
+
+// The representation maps that items use.
+static void find_maps(Reader *r, IfcFile *file, Arena *arena) {
+    for (int i = 0; i < file->step.record_count; i++) {
+        StepValue v;
+        if (file->step.type[i] != T_MAPPEDITEM || !ifc_arguments(r, i, &v, 1)) continue;
+        if (ifc_type(r, v.record) == T_REPRESENTATIONMAP)
+            *ARENA_PUSH(arena, file->maps.pair, file->maps.count, file->maps.room) = (Pair){v.record, 0};
+    }
+    ifc_sort(&file->maps);
+    int kept = 0;
+    for (int i = 0; i < file->maps.count; i++) {
+        if (kept > 0 && file->maps.pair[kept - 1].key == file->maps.pair[i].key) continue;
+        file->maps.pair[kept] = (Pair){file->maps.pair[i].key, kept};
+        kept++;
+    }
+    file->maps.count = kept;
+}
+
+// ---- products
+
+static int look_of(Reader *r, const Relations *rel, int record) {
+    int at = ifc_pair(&rel->materials, record);
+    int look = at < 0 ? -1 : ifc_material_look(r, rel->materials.pair[at].value, 0);
+    if (look >= 0) return look;
+    at = ifc_pair(&rel->types, record);
+    if (at < 0) return -1;
+    at = ifc_pair(&rel->materials, rel->types.pair[at].value);
+    return at < 0 ? -1 : ifc_material_look(r, rel->materials.pair[at].value, 0);
+}
+
+static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int look, IfcMesh *out) {
+    int corners = 0, faces = 0;
+    for (int i = 0; i < body->count; i++) {
+        corners += body->items[i].shape.corner_count;
+        faces += body->items[i].shape.face_count;
+    }
+    *out = (IfcMesh){0};
+    if (faces == 0) return;
+    out->corners = ARENA_ARRAY(arena, Vec3, corners);
+    out->polygons = ARENA_ARRAY(arena, IfcPolygon, faces);
+    for (int i = 0; i < body->count; i++) {
+        const Shape *s = &body->items[i].shape;
+        for (int k = 0; k < s->face_count; k++) {
+            const ShapeFace *f = &s->faces[k];
+            out->polygons[out->polygon_count++] = (IfcPolygon){out->corner_count, f->count,
+                                                               f->material >= 0 ? f->material
+                                                               : look >= 0      ? look
+                                                                                : 0};
+            for (int n = 0; n < f->count; n++)
+                out->corners[out->corner_count++] = frame_point(frame, s->corners[f->first + n]);
+        }
+    }
+}
+
+// Keeps the prism if it is upright in the model.
+static void find_footprint(Reader *r, const Prism *prism, const Frame *frame, Found *found) {
+    Vec3 sweep = frame_turn(frame, prism->sweep);
+    if (prism->ring_count == 0 || hypot(sweep.x, sweep.y) > 1e-6 * fabs(sweep.z)) return;
+    int total = 0;
+    for (int i = 0; i < prism->ring_count; i++) total += prism->size[i];
+    Vec3 *points = ARENA_ARRAY(&r->scratch, Vec3, total);
+    for (int i = 0; i < total; i++) {
+        points[i] = frame_point(frame, prism->corners[i]);
+        if (fabs(points[i].z - points[0].z) > SHAPE_EPSILON) return;
+    }
+    double base = points[0].z, top = base + sweep.z;
+    *ARENA_PUSH(&r->kept, found->footprints, found->footprint_count, found->footprint_room) = (IfcFootprint){
+        found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
+    for (int i = 0, first = 0; i < prism->ring_count; first += prism->size[i], i++) {
+        int count = prism->size[i];
+        double twice = 0;
+        for (int k = 0; k < count; k++) {
+            Vec3 a = vec3_sub(points[first + k], points[first]),
+                 b = vec3_sub(points[first + (k + 1) % count], points[first]);
+            twice += a.x * b.y - a.y * b.x;
+        }
+        bool turn = (twice > 0) == (i > 0);
+        *ARENA_PUSH(&r->kept, found->rings, found->ring_count, found->ring_room) =
+            (IfcRing){found->point_count, count};
+        for (int k = 0; k < count; k++) {
+            Vec3 p = points[first + (turn ? count - 1 - k : k)];
+            *ARENA_PUSH(&r->kept, found->points, found->point_count, found->point_room) = vec2(p.x, p.y);
+        }
+    }
+}
+
+// The items of a body with openings cut out.
+static void cut_openings(Reader *r, const Work *work, int product, const Body *body, Body *out) {
+    const Relations *rel = work->relations;
+    const IfcProduct *host = &work->model->products[product];
+    Frame frame = product_frame(host), back = frame_inverse(&frame);
+    const Shape **tools = NULL;
+    int tool_count = 0, tool_room = 0;
+    for (int at = ifc_pair(&rel->openings, rel->record[product]);
+         at >= 0 && at < rel->openings.count && rel->openings.pair[at].key == rel->record[product]; at++) {
+        int index = ifc_pair(&rel->products, rel->openings.pair[at].value);
+        if (index < 0) continue;
+        const IfcProduct *opening = &work->model->products[rel->products.pair[index].value];
+        Body holes = {0}, moved = {0};
+        read_body(r, rel->openings.pair[at].value, &holes);
+        Frame own = product_frame(opening), joined = frame_join(&back, &own);
+        for (int i = 0; i < holes.count; i++) {
+            if (!holes.items[i].shape.solid) continue;
+            Item *item = ARENA_PUSH(&r->scratch, moved.items, moved.count, moved.room);
+            item->shape = shape_empty(true);
+            shape_append_mapped(&r->scratch, &item->shape, &holes.items[i].shape, &joined);
+            Shape *kept = ARENA_ARRAY(&r->scratch, Shape, 1);
+            *kept = item->shape;
+            *ARENA_PUSH(&r->scratch, tools, tool_count, tool_room) = kept;
+        }
+    }
+    *out = (Body){.items = ARENA_ARRAY(&r->scratch, Item, body->count), .count = body->count};
+    for (int i = 0; i < body->count; i++) {
+        out->items[i] = body->items[i];
+        if (!shape_boolean(&r->scratch, SHAPE_DIFFERENCE, &body->items[i].shape, tools, tool_count,
+                           &out->items[i].shape))
+            ifc_note(r, rel->record[product], "keeps its openings closed: to cut them out takes too long");
+        // Faces of a cut look as the body does.
+        int look = body->items[i].shape.face_count ? body->items[i].shape.faces[0].material : -1;
+        Shape *s = &out->items[i].shape;
+        for (int k = 0; k < s->face_count; k++)
+            if (s->faces[k].material < 0) s->faces[k].material = look;
+    }
+}
+
+static void read_shape(void *context, int index, int thread) {
+    Work *work = context;
+    Reader *r = &work->readers[thread];
+    const Relations *rel = work->relations;
+    IfcProduct *p = &work->model->products[index];
+    if (ifc_too_many(r)) return;
+    r->product = index;
+    Body body = {0}, cut;
+    read_body(r, rel->record[index], &body);
+    p->item_count = body.count;
+    if (body.count > 0) {
+        Frame frame = product_frame(p);
+        int look = look_of(r, rel, rel->record[index]);
+        make_mesh(&r->kept, &body, &frame, look, &p->whole_mesh);
+        p->mesh = p->whole_mesh;
+        for (int i = 0; i < p->whole_mesh.corner_count; i++)
+            p->box = box_add(p->box, p->whole_mesh.corners[i]);
+        for (int i = 0; i < body.count; i++)
+            find_footprint(r, &body.items[i].prism, &frame, &work->found[index]);
+        if (p->kind != IFC_OPENING && ifc_pair(&rel->openings, rel->record[index]) >= 0) {
+            cut_openings(r, work, index, &body, &cut);
+            make_mesh(&r->kept, &cut, &frame, look, &p->mesh);
+        }
+    }
+    arena_reset(&r->scratch);
+}
+
+// ---- the whole
+
+static void join_footprints(Arena *arena, const Work *work, IfcModel *model) {
+    for (int i = 0; i < model->product_count; i++) {
+        model->footprint_count += work->found[i].footprint_count;
+        model->ring_count += work->found[i].ring_count;
+        model->point_count += work->found[i].point_count;
+    }
+    model->footprints = ARENA_ARRAY(arena, IfcFootprint, model->footprint_count + 1);
+    model->rings = ARENA_ARRAY(arena, IfcRing, model->ring_count + 1);
+    model->points = ARENA_ARRAY(arena, Vec2, model->point_count + 1);
+    int footprints = 0, rings = 0, points = 0;
+    for (int i = 0; i < model->product_count; i++) {
+        const Found *f = &work->found[i];
+        model->products[i].first_footprint = footprints;
+        model->products[i].footprint_count = f->footprint_count;
+        for (int k = 0; k < f->footprint_count; k++) {
+            model->footprints[footprints] = f->footprints[k];
+            model->footprints[footprints++].first_ring += rings;
+        }
+        for (int k = 0; k < f->ring_count; k++)
+            model->rings[rings + k] = (IfcRing){f->rings[k].first_point + points, f->rings[k].point_count};
+        for (int k = 0; k < f->point_count; k++) model->points[points + k] = f->points[k];
+        rings += f->ring_count;
+        points += f->point_count;
+    }
+}
+
+static int compare_notes(const void *a, const void *b) {
+    const RawNote *p = a, *q = b;
+    if (p->product != q->product) return p->product < q->product ? -1 : 1;
+    if (p->entity != q->entity) return p->entity < q->entity ? -1 : 1;
+    return strcmp(p->text, q->text);
+}
+
+static void join_notes(Arena *arena, const Work *work, int threads, IfcModel *model) {
+    int count = 0, at = 0;
+    for (int t = 0; t < threads; t++) count += work->readers[t].note_count;
+    RawNote *all = ARENA_ARRAY(arena, RawNote, count + 1);
+    for (int t = 0; t < threads; t++)
+        for (int i = 0; i < work->readers[t].note_count; i++) all[at++] = work->readers[t].notes[i];
+    if (count > 1) qsort(all, (size_t)count, sizeof *all, compare_notes);
+    int shown = count < IFC_MOST_NOTES ? count : IFC_MOST_NOTES;
+    model->notes = ARENA_ARRAY(arena, IfcNote, shown + 1);
+    for (int i = 0; i < shown; i++) {
+        const IfcProduct *p = all[i].product >= 0 ? &model->products[all[i].product] : NULL;
+        model->notes[i] =
+            (IfcNote){all[i].entity, all[i].product,
+                      p ? arena_format(arena, "#%d %s \"%s\": %s", p->entity, p->type, p->name, all[i].text)
+                        : all[i].text};
+    }
+    model->note_count = shown;
+    if (count > shown)
+        model->notes[model->note_count++] =
+            (IfcNote){0, -1, arena_format(arena, "%d more parts of the file cannot be used", count - shown)};
+}
+
+// Moves a model that lies far from its origin, so that sums of coordinates keep their digits.
+static void move_near(IfcModel *model) {
+    Box all = box_empty();
+    for (int i = 0; i < model->product_count; i++)
+        if (model->products[i].kind != IFC_SITE && !box_is_empty(model->products[i].box))
+            all = box_union(all, model->products[i].box);
+    if (box_is_empty(all)) return;
+    Vec3 middle = vec3_scale(vec3_add(all.min, all.max), 0.5);
+    if (fabs(middle.x) < FAR_AWAY && fabs(middle.y) < FAR_AWAY && fabs(middle.z) < FAR_AWAY) return;
+    Vec3 o = model->origin =
+        vec3(round(middle.x), round(middle.y), fabs(middle.z) < FAR_AWAY ? 0 : round(middle.z));
+    for (int i = 0; i < model->product_count; i++) {
+        IfcProduct *p = &model->products[i];
+        for (int k = 0; k < p->whole_mesh.corner_count; k++)
+            p->whole_mesh.corners[k] = vec3_sub(p->whole_mesh.corners[k], o);
+        if (p->mesh.corners != p->whole_mesh.corners)
+            for (int k = 0; k < p->mesh.corner_count; k++)
+                p->mesh.corners[k] = vec3_sub(p->mesh.corners[k], o);
+        p->place = vec3_sub(p->place, o);
+        p->box = (Box){vec3_sub(p->box.min, o), vec3_sub(p->box.max, o)};
+    }
+    for (int i = 0; i < model->point_count; i++)
+        model->points[i] = vec2_sub(model->points[i], vec2(o.x, o.y));
+    for (int i = 0; i < model->footprint_count; i++) {
+        model->footprints[i].base -= o.z;
+        model->footprints[i].top -= o.z;
+    }
+    for (int i = 0; i < model->storey_count; i++) model->storeys[i].elevation -= o.z;
+}
+
+static bool tell_damage(const IfcFile *file, const Reader *readers, int threads, Error *error) {
+    size_t bad = SIZE_MAX;
+    for (int t = 0; t < threads; t++)
+        if (readers[t].bad < bad) bad = readers[t].bad;
+    if (bad == SIZE_MAX) return true;
+    int shown = 0;
+    while (shown < 24 && bad + (size_t)shown < file->step.size &&
+           (unsigned char)file->step.text[bad + (size_t)shown] >= ' ')
+        shown++;
+    return error_set(error,
+                     "%s:%lld: an argument is `%.*s` (allowed: a number, 'text', .NAME., #number, $, *, a "
+                     "list or NAME(value))",
+                     file->step.path, step_line(&file->step, bad), shown, file->step.text + bad);
+}
+
+static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena *shared, Error *error) {
+    Reader *r = &work->readers[0];
+    IfcModel *model = work->model;
+    Relations relations = {0};
+    ifc_read_units(r, file);
+    ifc_read_styles(r, file, shared);
+    ifc_read_relations(r, shared, &relations);
+    find_maps(r, file, shared);
+    ifc_read_products(r, arena, &relations, model);
+    arena_reset(&r->scratch);
+    work->relations = &relations;
+    work->found = ARENA_ARRAY(shared, Found, model->product_count + 1);
+    MapWork maps = {work, ARENA_ARRAY(shared, Body, file->maps.count + 1),
+                    ARENA_ARRAY(shared, Arena, threads)};
+    parallel_for(threads, file->maps.count, read_map, &maps);
+    file->map_bodies = maps.bodies;
+    parallel_for(threads, model->product_count, read_shape, work);
+    for (int t = 0; t < threads; t++) arena_free(&maps.arenas[t]);
+    if (!tell_damage(file, work->readers, threads, error)) return false;
+    if (ifc_too_many(r))
+        return error_set(error, "%s: makes more than %lld polygons (the limit for %zu bytes)",
+                         file->step.path, file->most_polygons, file->step.size);
+    model->schema = arena_string(arena, file->step.schema);
+    model->unit = file->length;
+    model->material_count = file->material_count;
+    model->materials = memcpy(ARENA_ARRAY(arena, IfcMaterial, file->material_count + 1), file->materials,
+                              (size_t)file->material_count * sizeof(IfcMaterial));
+    for (int i = 0; i < model->material_count; i++)
+        model->materials[i].name = arena_string(arena, model->materials[i].name);
+    join_footprints(arena, work, model);
+    join_notes(arena, work, threads, model);
+    move_near(model);
+    for (int i = 0; i < model->product_count; i++)
+        model->polygon_count += model->products[i].mesh.polygon_count;
+    return true;
+}
+
+bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena *arena, IfcModel *out,
+              Error *error) {
+    *out = (IfcModel){0};
+    int threads = parallel_threads(options->threads);
+    Arena shared = {0};
+    long long polygons = 0;
+    IfcFile file = {.options = *options, .polygons = &polygons};
+    StepTypes types = {TYPE_NAMES, T_COUNT};
+    // A small file may make a million faces by mapping, a large one as many as its text may tell.
+    file.most_polygons = 1000000 + (long long)content.size / 8;
+    if (file.most_polygons > IFC_MOST_FACES) file.most_polygons = IFC_MOST_FACES;
+    bool good = step_read(path, content, &types, threads, &shared, &file.step, error);
+    if (good) {
+        Work work = {.file = &file, .model = out, .readers = ARENA_ARRAY(&shared, Reader, threads)};
+        for (int t = 0; t < threads; t++)
+            work.readers[t] = (Reader){.file = &file, .bad = SIZE_MAX, .product = -1};
+        good = read_all(&file, &work, threads, arena, &shared, error);
+        for (int t = 0; t < threads; t++) {
+            arena_free(&work.readers[t].scratch);
+            arena_join(arena, &work.readers[t].kept);
+        }
+    }
+    arena_free(&shared);
+    return good;
+}

@@ -1,0 +1,331 @@
+// products.c - products, storeys and what relates them (ISO 16739, IfcKernel and IfcProductExtension).
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "maps/ifc/ifc_file.h"
+
+static const char *const KIND_NAMES[IFC_KINDS] = {
+    "product",      "space",   "wall",   "slab",  "door",          "window",     "opening",
+    "stair",        "ramp",    "column", "beam",  "covering",      "furnishing", "roof",
+    "curtain wall", "railing", "member", "plate", "light fixture", "site"};
+
+const char *ifc_kind_name(IfcKind kind) { return KIND_NAMES[kind]; }
+
+static IfcKind kind_of(int type) {
+    switch (type) {
+    case T_SPACE:
+        return IFC_SPACE;
+    case T_WALL:
+    case T_WALLSTANDARDCASE:
+    case T_WALLELEMENTEDCASE:
+        return IFC_WALL;
+    case T_SLAB:
+    case T_SLABSTANDARDCASE:
+    case T_SLABELEMENTEDCASE:
+        return IFC_SLAB;
+    case T_DOOR:
+    case T_DOORSTANDARDCASE:
+        return IFC_DOOR;
+    case T_WINDOW:
+    case T_WINDOWSTANDARDCASE:
+        return IFC_WINDOW;
+    case T_OPENINGELEMENT:
+    case T_OPENINGSTANDARDCASE:
+        return IFC_OPENING;
+    case T_STAIR:
+    case T_STAIRFLIGHT:
+        return IFC_STAIR;
+    case T_RAMP:
+    case T_RAMPFLIGHT:
+        return IFC_RAMP;
+    case T_COLUMN:
+    case T_COLUMNSTANDARDCASE:
+        return IFC_COLUMN;
+    case T_BEAM:
+    case T_BEAMSTANDARDCASE:
+        return IFC_BEAM;
+    case T_COVERING:
+        return IFC_COVERING;
+    case T_FURNISHINGELEMENT:
+    case T_FURNITURE:
+    case T_SYSTEMFURNITUREELEMENT:
+    case T_SANITARYTERMINAL:
+    case T_ELECTRICAPPLIANCE:
+    case T_AUDIOVISUALAPPLIANCE:
+    case T_MEDICALDEVICE:
+        return IFC_FURNISHING;
+    case T_ROOF:
+        return IFC_ROOF;
+    case T_CURTAINWALL:
+        return IFC_CURTAIN_WALL;
+    case T_RAILING:
+        return IFC_RAILING;
+    case T_MEMBER:
+    case T_MEMBERSTANDARDCASE:
+        return IFC_MEMBER;
+    case T_PLATE:
+    case T_PLATESTANDARDCASE:
+        return IFC_PLATE;
+    case T_LIGHTFIXTURE:
+    case T_LAMP:
+        return IFC_LIGHT;
+    case T_SITE:
+        return IFC_SITE;
+    default:
+        return IFC_OTHER;
+    }
+}
+
+static bool is_product(int type) {
+    switch (type) {
+#define IFC_CASE(name) case T_##name:
+        IFC_PRODUCT_TYPES(IFC_CASE)
+#undef IFC_CASE
+        return type != T_ANNOTATION;
+    default:
+        return false;
+    }
+}
+
+// ---- relations
+
+static void push_pair(Arena *arena, Pairs *pairs, int key, int value) {
+    if (key >= 0 && value >= 0)
+        *ARENA_PUSH(arena, pairs->pair, pairs->count, pairs->room) = (Pair){key, value};
+}
+
+// A relation of one record with many; `turned` where the one is the value.
+static void push_many(Reader *r, Arena *arena, Pairs *pairs, int one, const StepValue *many) {
+    StepCursor c = ifc_list(r, many);
+    for (StepValue m = step_next(&c); m.kind != STEP_END; m = step_next(&c))
+        push_pair(arena, pairs, m.record, one);
+}
+
+void ifc_read_relations(Reader *r, Arena *arena, Relations *out) {
+    const StepFile *step = &r->file->step;
+    StepValue v[6];
+    int storeys = 0, products = 0, room = 0;
+    for (int i = 0; i < step->record_count; i++) {
+        int type = step->type[i];
+        switch (type) {
+        case T_RELAGGREGATES:
+        case T_RELNESTS:
+            ifc_arguments(r, i, v, 6);
+            push_many(r, arena, &out->parts, v[4].record, &v[5]);
+            break;
+        case T_RELCONTAINEDINSPATIALSTRUCTURE:
+            ifc_arguments(r, i, v, 6);
+            push_many(r, arena, &out->inside, v[5].record, &v[4]);
+            break;
+        case T_RELVOIDSELEMENT:
+            ifc_arguments(r, i, v, 6);
+            push_pair(arena, &out->openings, v[4].record, v[5].record);
+            break;
+        case T_RELFILLSELEMENT:
+            ifc_arguments(r, i, v, 6);
+            push_pair(arena, &out->fills, v[5].record, v[4].record);
+            break;
+        case T_RELDEFINESBYTYPE:
+            ifc_arguments(r, i, v, 6);
+            push_many(r, arena, &out->types, v[5].record, &v[4]);
+            break;
+        case T_RELASSOCIATESMATERIAL:
+            ifc_arguments(r, i, v, 6);
+            push_many(r, arena, &out->materials, v[5].record, &v[4]);
+            break;
+        case T_BUILDINGSTOREY:
+            push_pair(arena, &out->storeys, i, storeys++);
+            break;
+        default:
+            if (!is_product(type)) break;
+            push_pair(arena, &out->products, i, products);
+            *ARENA_PUSH(arena, out->record, products, room) = i;
+        }
+    }
+    Pairs *all[] = {&out->parts, &out->inside, &out->openings, &out->fills, &out->types, &out->materials};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) ifc_sort(all[i]);
+}
+
+static int value_of(const Pairs *pairs, int key) {
+    int at = key < 0 ? -1 : ifc_pair(pairs, key);
+    return at < 0 ? -1 : pairs->pair[at].value;
+}
+
+// ---- products
+
+// The text of an enumerator.
+static const char *enumerator(Reader *r, Arena *arena, const StepValue *v) {
+    return v->kind == STEP_ENUM ? arena_format(arena, "%.*s", (int)v->size, r->file->step.text + v->at) : "";
+}
+
+static const char *operation_of(Reader *r, Arena *arena, const Relations *rel, int record,
+                                const StepValue *own) {
+    StepValue v[11];
+    if (own->kind == STEP_ENUM) return enumerator(r, arena, own);
+    int type = value_of(&rel->types, record);
+    if (!ifc_arguments(r, type, v, 11)) return "";
+    if (ifc_type(r, type) == T_DOORSTYLE) return enumerator(r, arena, &v[8]);
+    return ifc_type(r, type) == T_DOORTYPE ? enumerator(r, arena, &v[10]) : "";
+}
+
+static void read_product(Reader *r, Arena *arena, const Relations *rel, int record, IfcProduct *p) {
+    StepValue v[12];
+    const StepFile *step = &r->file->step;
+    int type = step->type[record];
+    ifc_arguments(r, record, v, 12);
+    *p = (IfcProduct){.entity = step->entity[record],
+                      .kind = kind_of(type),
+                      .storey = -1,
+                      .space = -1,
+                      .whole = -1,
+                      .host = -1,
+                      .box = box_empty()};
+    p->type = step_type_name(step, record, arena);
+    p->guid = step_string(step, &v[0], arena);
+    p->name = step_string(step, &v[2], arena);
+    p->object_type = step_string(step, &v[4], arena);
+    p->long_name = p->kind == IFC_SPACE || p->kind == IFC_SITE ? step_string(step, &v[7], arena) : "";
+    bool leaf = p->kind == IFC_DOOR || p->kind == IFC_WINDOW;
+    p->predefined = p->kind == IFC_SITE ? ""
+                                        : enumerator(r, arena,
+                                                     &v[p->kind == IFC_SPACE ? 9
+                                                        : leaf               ? 10
+                                                                             : 8]);
+    p->operation = "";
+    if (leaf) {
+        p->height = ifc_length(r, &v[8], 0);
+        p->width = ifc_length(r, &v[9], 0);
+    }
+    if (p->kind == IFC_DOOR) p->operation = operation_of(r, arena, rel, record, &v[11]);
+    Frame f = ifc_placement(r, v[5].record);
+    p->axis[0] = vec3_normalize(f.x);
+    p->axis[1] = vec3_normalize(f.y);
+    p->axis[2] = vec3_normalize(f.z);
+    p->place = f.o;
+}
+
+// The angle of an IfcCompoundPlaneAngleMeasure: degrees, minutes, seconds, millionths.
+static double compound_angle(Reader *r, const StepValue *list, bool *told) {
+    double part[4] = {0};
+    StepCursor c = {&r->file->step, 0, &r->bad};
+    *told = step_numbers(&c, list, part, 4) >= 2;
+    return (part[0] + part[1] / 60 + (part[2] + part[3] / 1e6) / 3600) * M_PI / 180;
+}
+
+static void read_place(Reader *r, IfcModel *model) {
+    const StepFile *step = &r->file->step;
+    StepValue v[11];
+    for (int i = 0; i < step->record_count; i++) {
+        if (step->type[i] == T_SITE && !model->placed && ifc_arguments(r, i, v, 11)) {
+            bool north, east;
+            model->latitude = compound_angle(r, &v[9], &north);
+            model->longitude = compound_angle(r, &v[10], &east);
+            model->placed = north && east;
+        } else if (step->type[i] == T_GEOMETRICREPRESENTATIONCONTEXT && model->north == 0 &&
+                   ifc_arguments(r, i, v, 6) && v[5].record >= 0) {
+            Vec3 d = ifc_direction(r, v[5].record, vec3(0, 1, 0));
+            model->north = atan2(d.x, d.y);
+        }
+    }
+}
+
+static void read_storeys(Reader *r, Arena *arena, Relations *rel, IfcModel *model) {
+    const StepFile *step = &r->file->step;
+    int count = model->storey_count = rel->storeys.count;
+    model->storeys = ARENA_ARRAY(arena, IfcStorey, count + 1);
+    IfcStorey *found = ARENA_ARRAY(&r->scratch, IfcStorey, count + 1);
+    Pair *order = ARENA_ARRAY(&r->scratch, Pair, count + 1);
+    for (int i = 0; i < count; i++) {
+        StepValue v[10];
+        int record = rel->storeys.pair[i].key;
+        ifc_arguments(r, record, v, 10);
+        double z = v[5].record >= 0 ? ifc_placement(r, v[5].record).o.z : ifc_length(r, &v[9], 0);
+        found[i] = (IfcStorey){step->entity[record], step_string(step, &v[0], arena),
+                               step_string(step, &v[2], arena), z};
+        if (!found[i].name[0]) found[i].name = step_string(step, &v[7], arena);
+    }
+    // By elevation; those of one elevation as in the file.
+    for (int i = 0; i < count; i++) {
+        int rank = 0;
+        for (int k = 0; k < count; k++)
+            rank += found[k].elevation < found[i].elevation ||
+                    (found[k].elevation == found[i].elevation && k < i);
+        order[i] = (Pair){i, rank};
+    }
+    for (int i = 0; i < count; i++) {
+        model->storeys[order[i].value] = found[i];
+        rel->storeys.pair[i].value = order[i].value;
+    }
+}
+
+// What contains a product tells its storey; a part has that of its whole, an opening that of its host.
+static int storey_of(const Relations *rel, IfcModel *model, int product, int depth) {
+    IfcProduct *p = &model->products[product];
+    if (p->storey >= 0 || depth > IFC_DEEPEST) return p->storey;
+    if (p->space >= 0) p->storey = storey_of(rel, model, p->space, depth + 1);
+    if (p->storey < 0 && p->whole >= 0) p->storey = storey_of(rel, model, p->whole, depth + 1);
+    if (p->storey < 0 && p->host >= 0) p->storey = storey_of(rel, model, p->host, depth + 1);
+    return p->storey;
+}
+
+static void relate_product(const Relations *rel, IfcModel *model, int product) {
+    IfcProduct *p = &model->products[product];
+    int record = rel->record[product], inside = value_of(&rel->inside, record),
+        whole = value_of(&rel->parts, record);
+    for (int i = 0; i < 2; i++) {
+        int in = i ? whole : inside;
+        if (in >= 0 && p->storey < 0) p->storey = value_of(&rel->storeys, in);
+    }
+    int space = value_of(&rel->products, inside);
+    if (space >= 0 && model->products[space].kind == IFC_SPACE) p->space = space;
+    p->whole = value_of(&rel->products, whole);
+    int fills = value_of(&rel->fills, record);
+    if (fills >= 0) p->host = value_of(&rel->products, fills);
+}
+
+static bool is_boundary(int type) {
+    return type == T_RELSPACEBOUNDARY || type == T_RELSPACEBOUNDARY1STLEVEL ||
+           type == T_RELSPACEBOUNDARY2NDLEVEL;
+}
+
+static void read_boundaries(Reader *r, Arena *arena, const Relations *rel, IfcModel *model) {
+    const StepFile *step = &r->file->step;
+    int room = 0;
+    for (int i = 0; i < step->record_count; i++) {
+        StepValue v[9];
+        if (!is_boundary(step->type[i]) || !ifc_arguments(r, i, v, 9)) continue;
+        int space = value_of(&rel->products, v[4].record);
+        if (space < 0) continue;
+        *ARENA_PUSH(arena, model->boundaries, model->boundary_count, room) =
+            (IfcBoundary){space, value_of(&rel->products, v[5].record), !ifc_is(r, &v[7], "VIRTUAL"),
+                          ifc_is(r, &v[8], "EXTERNAL")};
+    }
+}
+
+void ifc_read_products(Reader *r, Arena *arena, Relations *rel, IfcModel *model) {
+    const StepFile *step = &r->file->step;
+    model->product_count = rel->products.count;
+    model->products = ARENA_ARRAY(arena, IfcProduct, model->product_count + 1);
+    for (int i = 0; i < model->product_count; i++) {
+        r->product = i;
+        read_product(r, arena, rel, rel->record[i], &model->products[i]);
+    }
+    r->product = -1;
+    read_storeys(r, arena, rel, model);
+    for (int i = 0; i < rel->openings.count; i++) {
+        int opening = value_of(&rel->products, rel->openings.pair[i].value);
+        if (opening >= 0 && model->products[opening].kind == IFC_OPENING)
+            model->products[opening].host = value_of(&rel->products, rel->openings.pair[i].key);
+    }
+    for (int i = 0; i < model->product_count; i++) relate_product(rel, model, i);
+    for (int i = 0; i < model->product_count; i++) storey_of(rel, model, i, 0);
+    read_boundaries(r, arena, rel, model);
+    read_place(r, model);
+    model->name = "";
+    for (int i = 0; i < step->record_count && !model->name[0]; i++) {
+        StepValue v[3];
+        if (step->type[i] != T_BUILDING && step->type[i] != T_PROJECT) continue;
+        ifc_arguments(r, i, v, 3);
+        model->name = step_string(step, &v[2], arena);
+    }
+}

@@ -36,6 +36,24 @@ static bool in_triangle(Vec2 a, Vec2 b, Vec2 c, Vec2 p) {
            vec2_cross(vec2_sub(c, b), vec2_sub(p, b)) >= 0 && vec2_cross(vec2_sub(a, c), vec2_sub(p, c)) >= 0;
 }
 
+// Does the way from a place to point m begin inside the outline?
+static bool begins_inside(const Outline *o, int at, int m) {
+    int before = o->at[o->prev[at]], here = o->at[at], after = o->at[o->next[at]];
+    bool left_of_in = turn_of(o->points, before, here, m) > 0,
+         left_of_out = turn_of(o->points, here, after, m) > 0;
+    return turn_of(o->points, before, here, after) > 0 ? left_of_in && left_of_out
+                                                       : left_of_in || left_of_out;
+}
+
+// Of the places at one point, where bridges end, that one from which the way to point m begins inside.
+static int facing_place(const Outline *o, int place, int m) {
+    Vec2 p = o->points[o->at[place]];
+    for (int at = o->next[place]; at != place; at = o->next[at])
+        if (vec2_equal(o->points[o->at[at]], p) && begins_inside(o, at, m))
+            return begins_inside(o, place, m) ? place : at;
+    return place;
+}
+
 // The place of the outline that sees point m of a hole, to the right of it (D. Eberly 2008, "Triangulation by ear clipping").
 static int bridge_to(const Outline *o, int start, int m) {
     const Vec2 *p = o->points;
@@ -112,7 +130,7 @@ static void make_outline(Arena *arena, Outline *o, const int *size, int ring_cou
     for (int i = 0; i + 1 < ring_count; i++) {
         const Hole *h = &holes[i];
         if (h->size < 3) continue;
-        int from = bridge_to(o, 0, h->right), after = o->next[from];
+        int from = facing_place(o, bridge_to(o, 0, h->right), h->right), after = o->next[from];
         // from -> the hole's ring, from its rightmost point back to it -> from again -> after.
         int last = from;
         for (int k = 0; k <= h->size; k++) {

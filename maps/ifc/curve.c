@@ -19,20 +19,13 @@ static void close_curve(Curve *curve) {
 }
 
 int ifc_chords(const Reader *r, double radius, double angle) {
-    double whole = r->file->options.circle_chords;
-    if (whole <= 0) {
-        double share = radius > IFC_SAGITTA ? 1 - IFC_SAGITTA / radius : 0;
-        whole = ceil(M_PI / acos(share));
-        // A multiple of four: a circle's box is that of its chords.
-        whole = 4 * ceil(whole / 4);
-        if (whole < 12) whole = 12;
-    }
-    if (whole > IFC_MOST_CHORDS) whole = IFC_MOST_CHORDS;
+    double least = 12, share = radius > IFC_SAGITTA ? 1 - IFC_SAGITTA / radius : 0,
+           told = r->file->options.circle_chords;
+    // A multiple of four of a whole circle, so that its box is that of its chords.
+    double whole = told > 0 ? told : 4 * ceil(fmax(least, M_PI / acos(share)) / 4);
     double chords = ceil(whole * fabs(angle) / (2 * M_PI) - 1e-9);
-    return chords < 2 && fabs(angle) > 0.05 ? 2
-           : chords < 1                     ? 1
-           : chords > 4 * IFC_MOST_CHORDS   ? 4 * IFC_MOST_CHORDS
-                                            : (int)chords;
+    if (chords < 2 && fabs(angle) > 0.05) return 2;
+    return chords < 1 ? 1 : chords > IFC_MOST_CHORDS ? IFC_MOST_CHORDS : (int)chords;
 }
 
 static void push_arc(Reader *r, const Frame *f, double a, double b, double from, double angle, Curve *out) {

@@ -75,7 +75,7 @@ typedef struct Reader {
 enum {
     IFC_DEEPEST = 40,           // items within items, placements in placements
     IFC_LONGEST_CHAIN = 10000,  // booleans whose first operand is a boolean
-    IFC_MOST_CHORDS = 256,      // of a circle
+    IFC_MOST_CHORDS = 256,      // of an arc or circle
     IFC_MOST_FACES = 64000000,  // made on the way, those of openings and operands too
 };
 // Points of a curve closer than this are one, metres.

@@ -222,7 +222,11 @@ static void sweep_along(Reader *r, const Profile *p, const Vec3 *start, const Cu
         if (vec3_dot(along, t) < 0.05) t = along;  // the curve turns back: no mitre
         next_ring(ring[i - 1], count, along, c->points[i % c->count], t, ring[i]);
     }
-    add_rings(r, p, ring, rings, false, out);
+    // A closed curve whose last ring is the first one has no ends.
+    bool closed = c->closed;
+    for (int k = 0; k < count && closed; k++)
+        closed = vec3_length(vec3_sub(ring[0][k], ring[rings - 1][k])) < SHAPE_EPSILON;
+    add_rings(r, p, ring, closed ? rings - 1 : rings, closed, out);
 }
 
 static void circle_profile(Reader *r, double radius, double inner, Profile *p) {

@@ -10,12 +10,12 @@
 #include "maps/polygons/soup_readers.h"
 
 // Where the file has no style: white paint, a light grey of wood or stone, light wood, clear glass. sRGB.
-static const unsigned WALL_COLOUR = 0xF2F2F2, FLOOR_COLOUR = 0xC8BEB0, DOOR_COLOUR = 0xD8CCB8, THING_COLOUR = 0xC8C4BC,
-                      GLASS_COLOUR = 0xBCD8DE, GROUND_COLOUR = 0xA8A8A8;
+static const unsigned WALL_COLOUR = 0xF2F2F2, FLOOR_COLOUR = 0xC8BEB0, DOOR_COLOUR = 0xD8CCB8,
+                      THING_COLOUR = 0xC8C4BC, GLASS_COLOUR = 0xBCD8DE, GROUND_COLOUR = 0xA8A8A8;
 
 static int add_colour(IfcPlan *p, const char *name, unsigned rgb, float alpha) {
-    return building_add_material(
-        p->arena, p->b, (Material){.name = name, .reflectance = maps_colour(rgb), .alpha = alpha});
+    return building_add_material(p->arena, p->b,
+                                 (Material){.name = name, .reflectance = maps_colour(rgb), .alpha = alpha});
 }
 
 static void set_defaults(IfcPlan *p) {
@@ -40,8 +40,8 @@ static void set_site(IfcPlan *p) {
     site->north = m->north;
     if (m->origin.x == 0 && m->origin.y == 0 && m->origin.z == 0) return;
     building_note(p->arena, p->b, NOTE_CHANGED, vec3(0, 0, 0),
-                  "%s: lies at (%.10g, %.10g, %.10g) m: coordinates here count from there", p->path, m->origin.x,
-                  m->origin.y, m->origin.z);
+                  "%s: lies at (%.10g, %.10g, %.10g) m: coordinates here count from there", p->path,
+                  m->origin.x, m->origin.y, m->origin.z);
 }
 
 static void add_notes(IfcPlan *p) {

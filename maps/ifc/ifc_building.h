@@ -22,8 +22,8 @@ typedef struct IfcRoom {
 
 // An opening of the sketch, and where it comes from.
 typedef struct IfcHole {
-    int product;           // the door, window, or the opening that nothing fills
-    Vec2 centre, u, n;     // plan: its width runs along u; n to its left
+    int product;        // the door, window, or the opening that nothing fills
+    Vec2 centre, u, n;  // plan: its width runs along u; n to its left
     double width, depth, z0, z1;
 } IfcHole;
 
@@ -34,12 +34,12 @@ typedef struct IfcPlan {
     Arena scratch;
     Building *b;
     Sketch sketch;
-    SolidTracer *tracer;  // in scratch
-    IfcRoom *rooms;       // smaller ones first, so that a room within a larger one keeps its place
-    IfcHole *holes;       // [sketch.opening_count]
-    SolidOutlines *walls; // [product_count] the parts of the plan that a wall covers
-    int *storey;          // [model->storey_count] the building's storey, -1: it became none
-    int *material;        // [model->material_count] of the building, -1: not yet
+    SolidTracer *tracer;   // in scratch
+    IfcRoom *rooms;        // smaller ones first, so that a room within a larger one keeps its place
+    IfcHole *holes;        // [sketch.opening_count]
+    SolidOutlines *walls;  // [product_count] the parts of the plan that a wall covers
+    int *storey;           // [model->storey_count] the building's storey, -1: it became none
+    int *material;         // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
     NoteTally no_body, recesses, small_holes, roof_windows, hollow_walls;
@@ -61,7 +61,8 @@ void ifc_plan_openings(IfcPlan *p);
 void ifc_check_doors(IfcPlan *p);
 
 // ---- ifc_building_objects.c
-int ifc_material(IfcPlan *p, int material, int otherwise);  // in the building; `otherwise` for polygons without a style
+int ifc_material(IfcPlan *p, int material,
+                 int otherwise);  // in the building; `otherwise` for polygons without a style
 void ifc_add_objects(IfcPlan *p);
 // Adds the polygons of a mesh as an object. Returns it, -1 where nothing is left.
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise);

@@ -26,7 +26,8 @@ const char *ifc_name(const IfcPlan *p, int product) {
 
 const char *ifc_place(const IfcPlan *p, int product) {
     const IfcProduct *it = &p->model->products[product];
-    const char *kind = it->kind == IFC_OTHER ? it->type : ifc_kind_name(it->kind), *name = ifc_name(p, product);
+    const char *kind = it->kind == IFC_OTHER ? it->type : ifc_kind_name(it->kind),
+               *name = ifc_name(p, product);
     return *name ? arena_format(p->arena, "#%d %s `%.80s`", it->entity, kind, name)
                  : arena_format(p->arena, "#%d %s", it->entity, kind);
 }
@@ -79,8 +80,7 @@ static bool in_room_plane(const IfcPlan *p, const Vec3 *c, int count) {
 
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise) {
     Building *b = p->b;
-    if (mesh->polygon_count == 0 ||
-        b->polygon_count + mesh->polygon_count > BUILDING_MOST_POLYGONS)
+    if (mesh->polygon_count == 0 || b->polygon_count + mesh->polygon_count > BUILDING_MOST_POLYGONS)
         return -1;
     int object = building_add_object(p->arena, b, kind, name);
     for (int i = 0; i < mesh->polygon_count; i++) {
@@ -147,13 +147,15 @@ static void add_slab(IfcPlan *p, int product) {
             *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = room->outline.items[k];
     }
     for (int i = 0; i < m->product_count; i++) {
-        if (p->walls[i].count == 0 || m->products[i].box.min.z > z1 + 0.1 || m->products[i].box.max.z < z0 - 0.1)
+        if (p->walls[i].count == 0 || m->products[i].box.min.z > z1 + 0.1 ||
+            m->products[i].box.max.z < z0 - 0.1)
             continue;
         for (int k = 0; k < p->walls[i].count; k++)
             *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = p->walls[i].items[k];
     }
     for (int i = 0; i < it->mesh.polygon_count; i++)
-        solid_add(p->tracer, it->mesh.corners + it->mesh.polygons[i].first_corner, it->mesh.polygons[i].corner_count);
+        solid_add(p->tracer, it->mesh.corners + it->mesh.polygons[i].first_corner,
+                  it->mesh.polygons[i].corner_count);
     SolidOutlines whole = solid_cover(p->tracer, middle, middle + MAPS_GRID);
     SolidOutlines rest = solid_difference(p->tracer, &whole, &within, BALCONY_WIDTH);
     int material = p->thing_material;
@@ -203,48 +205,54 @@ static void add_product(IfcPlan *p, int product) {
     bool box = false;  // has a stand-in for collision and light
     int otherwise = p->thing_material, object;
     switch (it->kind) {
-        case IFC_SPACE:
-        case IFC_OPENING:
-        case IFC_DOOR:
-        case IFC_WINDOW:
-        case IFC_SITE:
-        case IFC_CURTAIN_WALL:
-        case IFC_KINDS: return;
-        case IFC_WALL:
-            if (p->walls[product].count > 0) return;
-            kind = OBJECT_LOW_WALL;
-            otherwise = p->wall_material;
-            break;
-        case IFC_SLAB:
-            if (it->mesh.polygon_count && is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
-                add_slab(p, product);
-                return;
-            }
-            kind = OBJECT_LOW_WALL;
-            break;
-        case IFC_ROOF:
-        case IFC_COVERING:
-        case IFC_BEAM: kind = OBJECT_LOW_WALL; break;
-        case IFC_STAIR:
-        case IFC_RAMP:
-            kind = OBJECT_STAIR;
-            box = true;
-            break;
-        case IFC_COLUMN:
-            if (in_wall(p, it)) return;
-            box = true;
-            break;
-        case IFC_MEMBER:
-        case IFC_PLATE:
-            if (in_curtain(m, it)) return;
-            break;
-        case IFC_RAILING: break;
-        case IFC_LIGHT:
-            kind = OBJECT_LAMP;
-            box = true;
-            break;
-        case IFC_FURNISHING:
-        case IFC_OTHER: box = true; break;
+    case IFC_SPACE:
+    case IFC_OPENING:
+    case IFC_DOOR:
+    case IFC_WINDOW:
+    case IFC_SITE:
+    case IFC_CURTAIN_WALL:
+    case IFC_KINDS:
+        return;
+    case IFC_WALL:
+        if (p->walls[product].count > 0) return;
+        kind = OBJECT_LOW_WALL;
+        otherwise = p->wall_material;
+        break;
+    case IFC_SLAB:
+        if (it->mesh.polygon_count && is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
+            add_slab(p, product);
+            return;
+        }
+        kind = OBJECT_LOW_WALL;
+        break;
+    case IFC_ROOF:
+    case IFC_COVERING:
+    case IFC_BEAM:
+        kind = OBJECT_LOW_WALL;
+        break;
+    case IFC_STAIR:
+    case IFC_RAMP:
+        kind = OBJECT_STAIR;
+        box = true;
+        break;
+    case IFC_COLUMN:
+        if (in_wall(p, it)) return;
+        box = true;
+        break;
+    case IFC_MEMBER:
+    case IFC_PLATE:
+        if (in_curtain(m, it)) return;
+        break;
+    case IFC_RAILING:
+        break;
+    case IFC_LIGHT:
+        kind = OBJECT_LAMP;
+        box = true;
+        break;
+    case IFC_FURNISHING:
+    case IFC_OTHER:
+        box = true;
+        break;
     }
     object = ifc_add_mesh(p, &it->mesh, kind, name, otherwise);
     if (object >= 0 && box) building_set_proxy(p->b, atan2(it->axis[0].y, it->axis[0].x));

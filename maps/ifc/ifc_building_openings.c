@@ -131,7 +131,8 @@ static bool find_frame(IfcPlan *p, int product, const IfcProduct *body, int wall
     h->z0 = box.min.z;
     h->z1 = box.max.z;
     h->centre = vec2_add(h->centre, shift);
-    if (body->kind == IFC_OPENING && thickness < THICKEST_WALL && h->depth < THROUGH * thickness) return false;
+    if (body->kind == IFC_OPENING && thickness < THICKEST_WALL && h->depth < THROUGH * thickness)
+        return false;
     // The wall's own depth: bodies that are cut out reach beyond it.
     if (thickness < THICKEST_WALL)
         h->depth = thickness;
@@ -154,7 +155,8 @@ static void find_cutout(IfcPlan *p, const IfcProduct *body, const IfcHole *h, Sk
         solid_add(p->tracer, turned, polygon->corner_count);
     }
     SolidOutlines seen = solid_cover(p->tracer, -1e6, 1e6);
-    if (seen.count != 1 || seen.items->ring_count != 1 || seen.items->area >= RECTANGLE * width * height) return;
+    if (seen.count != 1 || seen.items->ring_count != 1 || seen.items->area >= RECTANGLE * width * height)
+        return;
     Sketch *s = &p->sketch;
     o->first_cutout = s->point_count;
     o->cutout_count = seen.items->ring[1];
@@ -194,7 +196,8 @@ static int *find_parts(IfcPlan *p, const IfcMesh *mesh) {
     }
     qsort(corners, (size_t)mesh->corner_count, sizeof *corners, by_place);
     for (int i = 1; i < mesh->corner_count; i++)
-        if (vec3_equal(corners[i].at, corners[i - 1].at)) set_unite(parent, corners[i - 1].index, corners[i].index);
+        if (vec3_equal(corners[i].at, corners[i - 1].at))
+            set_unite(parent, corners[i - 1].index, corners[i].index);
     for (int i = 0; i < mesh->polygon_count; i++)
         for (int k = 1; k < mesh->polygons[i].corner_count; k++)
             set_unite(parent, mesh->polygons[i].first_corner, mesh->polygons[i].first_corner + k);
@@ -215,8 +218,9 @@ static int *find_leaves(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h, bool 
         Box box = polygon_box(h, mesh, i);
         Vec3 middle = vec3_lerp(box.min, box.max, 0.5);
         extent[part[i]] = box_union(extent[part[i]], box);
-        moves[part[i]] = moves[part[i]] || (fabs(middle.x) < WAY_HALF * h->width / 2 &&
-                                            middle.z - h->z0 > WAY_LOW * height && middle.z - h->z0 < WAY_HIGH * height);
+        moves[part[i]] =
+            moves[part[i]] || (fabs(middle.x) < WAY_HALF * h->width / 2 &&
+                               middle.z - h->z0 > WAY_LOW * height && middle.z - h->z0 < WAY_HIGH * height);
     }
     for (int i = 0; i < mesh->polygon_count; i++) {
         Box box = extent[part[i]];
@@ -389,13 +393,15 @@ static bool is_filling(const IfcModel *m, const IfcProduct *it) {
 static bool in_wall(const IfcModel *m, int host) {
     if (host < 0) return true;
     IfcKind kind = m->products[host].kind;
-    return kind == IFC_WALL || kind == IFC_CURTAIN_WALL || kind == IFC_OTHER || kind == IFC_PLATE || kind == IFC_MEMBER;
+    return kind == IFC_WALL || kind == IFC_CURTAIN_WALL || kind == IFC_OTHER || kind == IFC_PLATE ||
+           kind == IFC_MEMBER;
 }
 
 static void plan_opening(IfcPlan *p, int product) {
     const IfcModel *m = p->model;
     const IfcProduct *filling = is_filling(m, &m->products[product]) ? &m->products[product] : NULL;
-    const IfcProduct *opening = filling ? filling->host >= 0 ? &m->products[filling->host] : NULL : &m->products[product];
+    const IfcProduct *opening =
+        filling ? filling->host >= 0 ? &m->products[filling->host] : NULL : &m->products[product];
     int wall = opening ? opening->host : filling->kind == IFC_PLATE ? filling->whole : -1;
     const IfcProduct *body = opening && !box_is_empty(opening->box) ? opening : filling;
     if (!body || box_is_empty(body->box)) {
@@ -431,7 +437,8 @@ void ifc_plan_openings(IfcPlan *p) {
     for (int turn = 0; turn < 3; turn++)
         for (int i = 0; i < m->product_count; i++) {
             IfcKind kind = m->products[i].kind;
-            if ((turn == 0 && kind == IFC_DOOR) || (turn == 1 && kind != IFC_DOOR && is_filling(m, &m->products[i])) ||
+            if ((turn == 0 && kind == IFC_DOOR) ||
+                (turn == 1 && kind != IFC_DOOR && is_filling(m, &m->products[i])) ||
                 (turn == 2 && kind == IFC_OPENING && !filled[i]))
                 plan_opening(p, i);
         }
@@ -461,9 +468,10 @@ void ifc_check_doors(IfcPlan *p) {
     for (int i = 0; i < p->sketch.opening_count; i++) {
         const SketchOpening *o = &p->sketch.openings[i];
         const IfcHole *h = &p->holes[i];
-        bool there = at < b->opening_count && strcmp(b->openings[at].name, o->name ? o->name : "") == 0 &&
-                     vec2_length(vec2_sub(vec2_scale(vec2_add(b->openings[at].line[0], b->openings[at].line[1]), 0.5),
-                                          h->centre)) < THICKEST_WALL;
+        bool there =
+            at < b->opening_count && strcmp(b->openings[at].name, o->name ? o->name : "") == 0 &&
+            vec2_length(vec2_sub(vec2_scale(vec2_add(b->openings[at].line[0], b->openings[at].line[1]), 0.5),
+                                 h->centre)) < THICKEST_WALL;
         const Opening *made = there ? &b->openings[at++] : NULL;
         if (m->products[h->product].kind != IFC_DOOR || !made) continue;
         if (made->region[0] < 0 || made->region[1] < 0) continue;  // maps_enclose said why

@@ -26,7 +26,7 @@ static const double WALL_SHARE = 0.6;
 // A wall that ends this near below the ceiling was meant to reach it.
 static const double CEILING_GAP = 0.35;
 // The storey height of a file that has neither spaces nor walls by which to tell, and the slab where there is none; metres.
-static const double DEFAULT_HEIGHT = 2.5, DEFAULT_SLAB = 0.3;
+static const double DEFAULT_HEIGHT = 2.5, DEFAULT_SLAB = 0.3, LEAST_SLAB = 0.05;
 
 typedef struct Level {
     double elevation;
@@ -36,9 +36,7 @@ typedef struct Level {
 
 // ---- spaces
 
-static bool is_zone_type(const IfcProduct *s) {
-    return strcasecmp(s->predefined, "GFA") == 0;
-}
+static bool is_zone_type(const IfcProduct *s) { return strcasecmp(s->predefined, "GFA") == 0; }
 
 static void trace_mesh(IfcPlan *p, const IfcMesh *mesh) {
     for (int i = 0; i < mesh->polygon_count; i++)
@@ -151,7 +149,8 @@ static void drop_zones(IfcPlan *p) {
                 !box_overlap(box, p->model->products[other->product].box))
                 continue;
             for (int n = 0; n < other->outline.count; n++)
-                *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = other->outline.items[n];
+                *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) =
+                    other->outline.items[n];
         }
         double common = within.count ? solid_common_area(p->tracer, &room->outline, &within) : 0;
         if (common >= ZONE * room->area) {
@@ -173,7 +172,7 @@ static double commonest(const double *height, const double *area, int count) {
     for (int i = 0; i < count; i++) {
         double sum = 0;
         for (int k = 0; k < count; k++)
-            if (fabs(height[k] - height[i]) <= 5 * SAME_HEIGHT) sum += area[k];
+            if (fabs(height[k] - height[i]) <= SAME_HEIGHT) sum += area[k];
         if (sum > most * (1 + 1e-9) || (sum >= most && height[i] < best)) best = height[i], most = sum;
     }
     return best;
@@ -187,7 +186,8 @@ static bool holds_rooms(const IfcPlan *p, int storey, bool spaces) {
         const IfcProduct *it = &m->products[i];
         if (it->storey != storey || box_is_empty(it->box)) continue;
         if (it->kind == IFC_DOOR) return true;
-        if (!spaces && it->kind == IFC_WALL && it->box.max.z - it->box.min.z >= SKETCH_LEAST_ROOM) return true;
+        if (!spaces && it->kind == IFC_WALL && it->box.max.z - it->box.min.z >= SKETCH_LEAST_ROOM)
+            return true;
     }
     return false;
 }
@@ -276,7 +276,8 @@ static void measure_storeys(IfcPlan *p) {
             storey->height = maps_snap(fmin(storey->height, above->floor - storey->floor - DEFAULT_SLAB));
         const Storey *below = s ? storey - 1 : NULL;
         double slab = below ? storey->floor - below->floor - below->height : DEFAULT_SLAB;
-        storey->slab = maps_snap(slab > 0.05 && slab < 1.5 ? slab : DEFAULT_SLAB);
+        // Above a ceiling that hangs low all is solid, up to the next floor.
+        storey->slab = maps_snap(slab > LEAST_SLAB ? slab : DEFAULT_SLAB);
     }
 }
 
@@ -296,7 +297,8 @@ bool ifc_plan_storeys(IfcPlan *p, Error *error) {
         if (levels[i].first >= 0) p->storey[levels[i].first] = b->storey_count - 1;
     }
     if (b->storey_count == 0)
-        return error_set(error, "%s: has no storey, no space and no wall from which to tell a floor", p->path);
+        return error_set(error, "%s: has no storey, no space and no wall from which to tell a floor",
+                         p->path);
     place_rooms(p);
     measure_storeys(p);
     // The floors of spaces are not the elevations of their storeys.
@@ -403,9 +405,87 @@ static void add_inner_faces(IfcPlan *p, const IfcRoom *room) {
         Vec3 *turned = ARENA_ARRAY(&p->scratch, Vec3, n);
         for (int k = 0; k < n; k++) turned[k] = c[n - 1 - k];
         building_add_polygon(p->arena, p->b, turned, n,
-                             floor ? p->floor_material : ceiling ? p->ceiling_material : p->wall_material);
+                             floor     ? p->floor_material
+                             : ceiling ? p->ceiling_material
+                                       : p->wall_material);
     }
     if (begun && p->b->objects[p->b->object_count - 1].polygon_count == 0) p->b->object_count--;
+}
+
+// Metres: how far from its outline a room's wall may begin; between the places that are probed; thickness of a wall that is assumed.
+static const double WALL_REACH = 0.35, PROBE = 0.2, THIN_WALL = 0.05;
+// Share of a room's outline without walls above which maps_enclose might take it for a terrace; and the share of it under a roof that
+// makes it a room all the same.
+static const double OPEN_SHARE = 0.4, ROOFED = 0.5;
+
+// Whether a wall that bounds the room, or another room, stands at a place.
+static bool is_bounded_at(const IfcPlan *p, const IfcRoom *room, Vec2 at) {
+    const IfcModel *m = p->model;
+    double half = room->z0 + 0.5 * fmin(room->z1 - room->z0, SKETCH_LEAST_ROOM);
+    int other = ifc_room_at(p, room->storey, vec3(at.x, at.y, half));
+    if (other >= 0 && &p->rooms[other] != room) return true;
+    for (int i = 0; i < m->product_count; i++) {
+        Box box = m->products[i].box;
+        // A curtain wall has the bodies of its parts alone.
+        if (p->walls[i].count == 0 ||
+            (!box_is_empty(box) && (box.min.z > room->z0 + STEP ||
+                                    box.max.z < fmin(room->z1 - CEILING_GAP, room->z0 + SKETCH_LEAST_ROOM))))
+            continue;
+        for (int k = 0; k < p->walls[i].count; k++)
+            if (solid_contains(&p->walls[i].items[k], at)) return true;
+    }
+    return false;
+}
+
+// The length of the room's outline along which nothing bounds it, and its share of the outline.
+static double open_length(const IfcPlan *p, const IfcRoom *room, double *share) {
+    double open = 0, all = 0;
+    for (int i = 0; i < room->outline.count; i++) {
+        const SolidOutline *o = &room->outline.items[i];
+        for (int k = 0; k < o->ring[1]; k++) {
+            Vec2 a = o->points[k], d = vec2_sub(o->points[(k + 1) % o->ring[1]], a);
+            double length = vec2_length(d);
+            int probes = 1 + (int)fmin(length / PROBE, 1000);
+            all += length;
+            for (int n = 0; n < probes; n++) {
+                Vec2 at = vec2_add(a, vec2_scale(d, (n + 0.5) / probes));
+                bool bounded = false;
+                for (int far = 1; far <= 4 && !bounded; far++)
+                    bounded = is_bounded_at(
+                        p, room, vec2_add(at, vec2_scale(vec2(d.y, -d.x), WALL_REACH * far / 4 / length)));
+                if (!bounded) open += length / probes;
+            }
+        }
+    }
+    *share = all > 0 ? open / all : 0;
+    return open;
+}
+
+// Whether a roof, a slab or a room of the file lies over most of the room.
+static bool is_roofed(IfcPlan *p, const IfcRoom *room) {
+    const IfcModel *m = p->model;
+    SolidOutlines over = {NULL, 0, 0};
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        bool roof = it->kind == IFC_ROOF || it->kind == IFC_SLAB || it->kind == IFC_COVERING;
+        if (!roof || box_is_empty(it->box) || it->box.max.z < room->z0 + SKETCH_LEAST_ROOM) continue;
+        trace_mesh(p, &it->mesh);
+        SolidOutlines part = solid_cover(p->tracer, fmax(it->box.min.z, room->z0 + STEP), it->box.max.z);
+        for (int k = 0; k < part.count; k++)
+            *ARENA_PUSH(&p->scratch, over.items, over.count, over.capacity) = part.items[k];
+    }
+    return over.count && solid_common_area(p->tracer, &room->outline, &over) >= ROOFED * room->area;
+}
+
+// A space without walls on all sides is closed where a roof covers it, as under a slanting one; else it is a terrace.
+static bool needs_walls(IfcPlan *p, const IfcRoom *room) {
+    double share, open = open_length(p, room, &share);
+    if (share < OPEN_SHARE || !is_roofed(p, room)) return false;
+    Box box = p->model->products[room->product].box;
+    building_note(p->arena, p->b, NOTE_CHANGED, vec3_lerp(box.min, box.max, 0.5),
+                  "%s: %s has no wall along %.1f m of its outline: it is closed by one of %g m there",
+                  p->path, ifc_place(p, room->product), open, THIN_WALL);
+    return true;
 }
 
 void ifc_plan_rooms(IfcPlan *p) {
@@ -416,6 +496,7 @@ void ifc_plan_rooms(IfcPlan *p) {
         const Storey *storey = &p->b->storeys[room->storey];
         bool outdoors = strcasecmp(space->predefined, "EXTERNAL") == 0;
         int floor = floor_material(p, room);
+        double wall = p->sketch.wall_count > 0 && !outdoors && needs_walls(p, room) ? THIN_WALL : 0;
         for (int k = 0; k < room->outline.count; k++) {
             Vec2 *points;
             int count = solid_one_ring(&room->outline.items[k], &p->scratch, &points);
@@ -426,7 +507,9 @@ void ifc_plan_rooms(IfcPlan *p) {
                               .floor_material = floor,
                               .ceiling_material = p->ceiling_material,
                               .z0 = fabs(room->z0 - storey->floor) <= SAME_HEIGHT ? NAN : room->z0,
-                              .z1 = fabs(room->z1 - storey->floor - storey->height) <= SAME_HEIGHT ? NAN : room->z1,
+                              .z1 = fabs(room->z1 - storey->floor - storey->height) <= SAME_HEIGHT ? NAN
+                                                                                                   : room->z1,
+                              .wall = wall,
                               .wall_material = p->wall_material,
                               .open_above = outdoors};
             out.first_point = add_points(p, points, count, NULL);
@@ -459,9 +542,8 @@ static void add_wall(IfcPlan *p, int product, const SolidOutline *outline, int s
     for (int i = 0; i < count; i++) {
         Vec2 d = vec2_sub(points[(i + 1) % count], points[i]);
         double length = vec2_length(d);
-        material[i] = length > 0
-                          ? facing_material(p, &it->whole_mesh, vec3(d.y / length, -d.x / length, 0))
-                          : -1;
+        material[i] =
+            length > 0 ? facing_material(p, &it->whole_mesh, vec3(d.y / length, -d.x / length, 0)) : -1;
         if (material[i] < 0) material[i] = p->wall_material;
     }
     SketchWall wall = {.storey = storey,
@@ -484,11 +566,13 @@ static void add_above(IfcPlan *p, int product, double from) {
     for (int i = 0; i < it->mesh.polygon_count; i++) {
         const IfcPolygon *polygon = &it->mesh.polygons[i];
         Vec3 *out = ARENA_ARRAY(&p->scratch, Vec3, polygon->corner_count + 1);
-        int count = polygon_clip(it->mesh.corners + polygon->first_corner, polygon->corner_count, keep, 0, out);
+        int count =
+            polygon_clip(it->mesh.corners + polygon->first_corner, polygon->corner_count, keep, 0, out);
         if (count < 3) continue;
         if (!begun) building_add_object(p->arena, p->b, OBJECT_LOW_WALL, ifc_name(p, product));
         begun = true;
-        building_add_polygon(p->arena, p->b, out, count, ifc_material(p, polygon->material, p->wall_material));
+        building_add_polygon(p->arena, p->b, out, count,
+                             ifc_material(p, polygon->material, p->wall_material));
     }
     if (begun && p->b->objects[p->b->object_count - 1].polygon_count == 0) p->b->object_count--;
 }
@@ -522,7 +606,8 @@ static void plan_wall(IfcPlan *p, int product) {
         reached = fmax(reached, z1);
     }
     static const double ROOF = 0.15;  // of maps_enclose, above ceilings that nothing stands on
-    if (reached > low && high > reached + ROOF + 0.05 && ifc_storey_at(p, high) == ifc_storey_at(p, reached - STEP))
+    if (reached > low && high > reached + ROOF + 0.05 &&
+        ifc_storey_at(p, high) == ifc_storey_at(p, reached - STEP))
         add_above(p, product, reached + ROOF);
 }
 
@@ -578,7 +663,20 @@ static void append_all(IfcPlan *p, SolidOutlines *to, const SolidOutlines *from)
         *ARENA_PUSH(&p->scratch, to->items, to->count, to->capacity) = from->items[i];
 }
 
-// Stairs that lead up to a floor need a hole in it, whether the slab has one or not.
+// The ceiling of the room in which a stair begins, at most the floor.
+static double ceiling_over(const IfcPlan *p, const IfcProduct *stair, double floor) {
+    double z = floor;
+    for (int i = 0; i < p->room_count; i++) {
+        const IfcRoom *room = &p->rooms[i];
+        Box box = p->model->products[room->product].box;
+        if (room->z0 <= stair->box.min.z + STEP && room->z1 > stair->box.min.z + STEP &&
+            box_overlap(box, stair->box))
+            z = fmin(z, room->z1);
+    }
+    return z;
+}
+
+// Stairs that lead up to a floor need a hole in it, whether the slab has one or not: over all steps on which a person meets the ceiling.
 static void cut_for_stairs(IfcPlan *p, int storey) {
     const IfcModel *m = p->model;
     double floor = p->b->storeys[storey].floor;
@@ -589,7 +687,8 @@ static void cut_for_stairs(IfcPlan *p, int storey) {
             continue;
         trace_mesh(p, &it->mesh);
         // The last step may be level with the floor, or the floor itself.
-        SolidOutlines steps = solid_cover(p->tracer, floor - HEADROOM, floor - 0.05);
+        double from = fmax(ceiling_over(p, it, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
+        SolidOutlines steps = solid_cover(p->tracer, from, floor - 0.05);
         add_cutouts(p, storey, &steps, NULL, ifc_place(p, i));
     }
 }
@@ -600,7 +699,7 @@ static void cut_floors(IfcPlan *p) {
         for (int i = 0; i < p->room_count; i++) {
             const IfcRoom *room = &p->rooms[i];
             if (room->storey == s) append_all(p, &rooms, &room->outline);
-            if (room->storey < s && room->z1 > p->b->storeys[s].floor - STOREY_REACH)
+            if (room->storey < s && room->z1 > p->b->storeys[s].floor - STOREY_REACH - p->b->storeys[s].slab)
                 append_all(p, &below, &room->outline);
         }
         SolidOutlines slabs = slabs_of(p, p->b->storeys[s].floor);

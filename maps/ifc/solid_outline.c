@@ -99,8 +99,8 @@ static GEOSGeometry *polygon_of(const SolidTracer *t, const SolidOutline *o) {
 // The union of all pieces on the grid; takes them over. NULL where there is none.
 static GEOSGeometry *unite(const SolidTracer *t, Pieces *pieces) {
     if (pieces->count == 0) return NULL;
-    GEOSGeometry *all = GEOSGeom_createCollection_r(t->geos, GEOS_GEOMETRYCOLLECTION, pieces->items,
-                                                    (unsigned)pieces->count);
+    GEOSGeometry *all =
+        GEOSGeom_createCollection_r(t->geos, GEOS_GEOMETRYCOLLECTION, pieces->items, (unsigned)pieces->count);
     GEOSGeometry *joined = all ? GEOSUnaryUnionPrec_r(t->geos, all, GRID) : NULL;
     if (all) GEOSGeom_destroy_r(t->geos, all);
     return joined;

@@ -11,7 +11,8 @@
 // A connected part of the plan.
 typedef struct SolidOutline {
     Vec2 *points;
-    int *ring;  // [ring_count + 1] offsets into points: the outer ring, counter-clockwise, then the holes, clockwise
+    int *
+        ring;  // [ring_count + 1] offsets into points: the outer ring, counter-clockwise, then the holes, clockwise
     int ring_count;
     double area;  // metres^2, without the holes
 } SolidOutline;
@@ -36,7 +37,8 @@ void solid_add(SolidTracer *tracer, const Vec3 *corners, int count);
 SolidOutlines solid_cover(SolidTracer *tracer, double z0, double z1);
 
 // Boolean operations of plans: the parts of `a` outside all of `b`, narrower parts than `narrowest` left out; all of `a` as one.
-SolidOutlines solid_difference(SolidTracer *tracer, const SolidOutlines *a, const SolidOutlines *b, double narrowest);
+SolidOutlines solid_difference(SolidTracer *tracer, const SolidOutlines *a, const SolidOutlines *b,
+                               double narrowest);
 SolidOutlines solid_union(SolidTracer *tracer, const SolidOutlines *a);
 // The area, metres^2, that both have.
 double solid_common_area(SolidTracer *tracer, const SolidOutlines *a, const SolidOutlines *b);

@@ -49,7 +49,8 @@ typedef struct IfcPlan {
 bool ifc_plan_storeys(IfcPlan *p, Error *error);  // finds rooms, too
 void ifc_plan_rooms(IfcPlan *p);
 void ifc_plan_walls(IfcPlan *p);
-void ifc_plan_floors(IfcPlan *p);  // holes in floors, the ground
+void ifc_plan_floors(IfcPlan *p);                            // holes in floors, the ground
+bool ifc_is_stair(const IfcModel *m, const IfcProduct *it);  // flights, ramps, and the landings between them
 // The storey on which something stands whose foot is at this height.
 int ifc_storey_at(const IfcPlan *p, double z);
 // The room of a storey, or of any (-1), in which a place is; -1: none.

@@ -219,6 +219,11 @@ static void add_product(IfcPlan *p, int product) {
         otherwise = p->wall_material;
         break;
     case IFC_SLAB:
+        if (ifc_is_stair(m, it)) {
+            kind = OBJECT_STAIR;
+            box = true;
+            break;
+        }
         if (it->mesh.polygon_count && is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
             add_slab(p, product);
             return;

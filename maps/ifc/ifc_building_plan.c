@@ -632,7 +632,7 @@ static SolidOutlines slabs_of(IfcPlan *p, double floor) {
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
         if (it->kind != IFC_SLAB || box_is_empty(it->box) || it->box.max.z < floor - SLAB_BELOW ||
-            it->box.max.z > floor + SLAB_ABOVE || strcasecmp(it->predefined, "LANDING") == 0)
+            it->box.max.z > floor + SLAB_ABOVE || ifc_is_stair(m, it))
             continue;
         double middle = it->box.max.z - fmin(0.05, (it->box.max.z - it->box.min.z) / 2);
         trace_mesh(p, &it->mesh);
@@ -663,14 +663,30 @@ static void append_all(IfcPlan *p, SolidOutlines *to, const SolidOutlines *from)
         *ARENA_PUSH(&p->scratch, to->items, to->count, to->capacity) = from->items[i];
 }
 
-// The ceiling of the room in which a stair begins, at most the floor.
-static double ceiling_over(const IfcPlan *p, const IfcProduct *stair, double floor) {
-    double z = floor;
+bool ifc_is_stair(const IfcModel *m, const IfcProduct *it) {
+    if (it->kind == IFC_STAIR || it->kind == IFC_RAMP) return true;
+    bool of_stair = it->whole >= 0 &&
+                    (m->products[it->whole].kind == IFC_STAIR || m->products[it->whole].kind == IFC_RAMP);
+    return it->kind == IFC_SLAB && (of_stair || strcasecmp(it->predefined, "LANDING") == 0);
+}
+
+// The box of a flight with all flights and landings of its stair.
+static Box stair_box(const IfcModel *m, int product) {
+    const IfcProduct *it = &m->products[product];
+    Box box = it->box;
+    for (int i = 0; it->whole >= 0 && i < m->product_count; i++)
+        if (m->products[i].whole == it->whole && ifc_is_stair(m, &m->products[i]) &&
+            !box_is_empty(m->products[i].box))
+            box = box_union(box, m->products[i].box);
+    return box;
+}
+
+// The lowest ceiling of the rooms through which a stair leads, at most `z`.
+static double ceiling_over(const IfcPlan *p, Box stair, double z) {
     for (int i = 0; i < p->room_count; i++) {
         const IfcRoom *room = &p->rooms[i];
-        Box box = p->model->products[room->product].box;
-        if (room->z0 <= stair->box.min.z + STEP && room->z1 > stair->box.min.z + STEP &&
-            box_overlap(box, stair->box))
+        if (room->z0 <= stair.min.z + STEP && room->z1 > stair.min.z + STEP &&
+            box_overlap(p->model->products[room->product].box, stair))
             z = fmin(z, room->z1);
     }
     return z;
@@ -682,13 +698,14 @@ static void cut_for_stairs(IfcPlan *p, int storey) {
     double floor = p->b->storeys[storey].floor;
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
-        if ((it->kind != IFC_STAIR && it->kind != IFC_RAMP) || box_is_empty(it->box) ||
-            it->box.max.z < floor - STEP || it->box.min.z > floor - 1)
-            continue;
-        trace_mesh(p, &it->mesh);
+        if (!ifc_is_stair(m, it) || box_is_empty(it->box)) continue;
+        Box stair = stair_box(m, i);
+        if (stair.max.z < floor - STEP || stair.min.z > floor - 1) continue;
+        double from = fmax(ceiling_over(p, stair, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
         // The last step may be level with the floor, or the floor itself.
-        double from = fmax(ceiling_over(p, it, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
-        SolidOutlines steps = solid_cover(p->tracer, from, floor - 0.05);
+        if (from >= fmin(it->box.max.z, floor - 0.05)) continue;
+        trace_mesh(p, &it->mesh);
+        SolidOutlines steps = solid_cover(p->tracer, from, fmin(it->box.max.z, floor - 0.05));
         add_cutouts(p, storey, &steps, NULL, ifc_place(p, i));
     }
 }

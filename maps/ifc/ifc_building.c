@@ -58,6 +58,9 @@ static void add_notes(IfcPlan *p) {
                         "openings narrower or lower than 0.3 m, in which nothing stands, were left closed");
     building_note_tally(p->arena, p->b, p->path, &p->roof_windows,
                         "doors or windows stand in roofs or floors: seen, but nothing is seen through them");
+    building_note_tally(
+        p->arena, p->b, p->path, &p->low_doors,
+        "doors or windows stand in walls that do not bound rooms: they are seen, and stay shut");
 }
 
 // A model of products that bound nothing.

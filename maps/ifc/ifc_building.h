@@ -42,7 +42,7 @@ typedef struct IfcPlan {
     int *material;         // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
-    NoteTally no_body, recesses, small_holes, roof_windows, hollow_walls;
+    NoteTally no_body, recesses, small_holes, roof_windows, low_doors;
 } IfcPlan;
 
 // ---- ifc_building_plan.c

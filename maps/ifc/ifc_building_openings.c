@@ -415,7 +415,17 @@ static void plan_opening(IfcPlan *p, int product) {
         ifc_add_mesh(p, &filling->mesh, OBJECT_FURNITURE, ifc_name(p, product), p->glass_material);
         return;
     }
-    if (wall < 0 || p->walls[wall].count == 0) wall = wall_near(p, body);
+    if (wall < 0 || p->walls[wall].count == 0) {
+        int near = wall_near(p, body);
+        if (near < 0 && wall >= 0) {
+            // The wall is a thing in the room, its opening is cut out of its body, and a door in it stays shut.
+            if (!filling) return;
+            building_tally(&p->low_doors, ifc_place(p, product), middle);
+            ifc_add_mesh(p, &filling->mesh, OBJECT_FURNITURE, ifc_name(p, product), p->door_material);
+            return;
+        }
+        wall = near;
+    }
     IfcHole hole;
     if (!find_frame(p, product, body, wall, &hole)) {
         building_tally(&p->recesses, ifc_place(p, product), middle);

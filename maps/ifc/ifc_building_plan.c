@@ -577,6 +577,7 @@ static void add_above(IfcPlan *p, int product, double from) {
     if (begun && p->b->objects[p->b->object_count - 1].polygon_count == 0) p->b->object_count--;
 }
 
+// A wall that bounds no storey's rooms stays the body that it is: a parapet, a screen, a foundation.
 static void plan_wall(IfcPlan *p, int product) {
     const Building *b = p->b;
     const IfcProduct *it = &p->model->products[product];
@@ -587,23 +588,18 @@ static void plan_wall(IfcPlan *p, int product) {
     if (box_is_empty(box)) return;
     double low = box.min.z, high = box.max.z, reached = -INFINITY;
     SolidOutlines *all = &p->walls[product];
-    int own = it->storey >= 0 ? p->storey[it->storey] : -1;
-    if (own < 0) own = ifc_storey_at(p, low);
     for (int s = 0; s < b->storey_count; s++) {
         const Storey *storey = &b->storeys[s];
         double floor = storey->floor, ceiling = floor + storey->height;
         double share = (fmin(high, ceiling) - fmax(low, floor)) / storey->height;
-        bool bounds = share >= WALL_SHARE && low <= floor + STEP;
-        if (!bounds && (s != own || reached > low)) continue;
-        double z0 = bounds ? floor : fmax(low, floor), z1 = high;
-        if (bounds && z1 > ceiling - CEILING_GAP) z1 = ceiling;
-        if (z1 - z0 < MAPS_GRID) continue;
-        SolidOutlines parts = cover(p, product, fmax(low, z0) + TRACE, fmin(high, z1) - TRACE);
+        if (share < WALL_SHARE || low > floor + STEP) continue;
+        double top = high > ceiling - CEILING_GAP ? ceiling : high;
+        SolidOutlines parts = cover(p, product, fmax(low, floor) + TRACE, fmin(high, top) - TRACE);
         for (int i = 0; i < parts.count; i++) {
-            add_wall(p, product, &parts.items[i], s, z0, z1);
+            add_wall(p, product, &parts.items[i], s, floor, top);
             *ARENA_PUSH(&p->scratch, all->items, all->count, all->capacity) = parts.items[i];
         }
-        reached = fmax(reached, z1);
+        reached = fmax(reached, top);
     }
     static const double ROOF = 0.15;  // of maps_enclose, above ceilings that nothing stands on
     if (reached > low && high > reached + ROOF + 0.05 &&

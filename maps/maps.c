@@ -12,10 +12,19 @@
 #include "maps/polygons/soup_split.h"
 
 extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT, MAPS_READER_QUADS,
-    MAPS_READER_OBJ, MAPS_READER_GLTF, MAPS_READER_WAD, MAPS_READER_QUAKE, MAPS_READER_FOREIGN;
-const MapsReader *const MAPS_READERS[] = {
-    &MAPS_READER_PLAN, &MAPS_READER_SH3D, &MAPS_READER_PRT,   &MAPS_READER_QUADS,   &MAPS_READER_OBJ,
-    &MAPS_READER_GLTF, &MAPS_READER_WAD,  &MAPS_READER_QUAKE, &MAPS_READER_FOREIGN, NULL};
+    MAPS_READER_OBJ, MAPS_READER_GLTF, MAPS_READER_WAD, MAPS_READER_QUAKE, MAPS_READER_FOREIGN,
+    MAPS_READER_IFC;
+const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN,
+                                          &MAPS_READER_SH3D,
+                                          &MAPS_READER_PRT,
+                                          &MAPS_READER_QUADS,
+                                          &MAPS_READER_OBJ,
+                                          &MAPS_READER_GLTF,
+                                          &MAPS_READER_WAD,
+                                          &MAPS_READER_QUAKE,
+                                          &MAPS_READER_IFC,
+                                          &MAPS_READER_FOREIGN,
+                                          NULL};
 
 static const size_t MAX_FILE = (size_t)1 << 30;  // bytes: a home with all its models has some 100 MB at most
 

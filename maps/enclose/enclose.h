@@ -74,7 +74,7 @@ typedef struct Grown {
 
 // Spot.wall: the index of a wall, or one of these.
 enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4, WALL_SLIT = -5 };
-enum { SPOT_HOLES = 2 };  // openings above one another in one storey's wall
+enum { SPOT_HOLES = 4 };  // openings above one another in one storey's wall
 
 // The wall, openings and room that one storey has at one face.
 typedef struct Spot {

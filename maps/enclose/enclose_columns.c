@@ -106,6 +106,14 @@ static void wall_heights(const Enclosure *e, int storey, int face, double *z0, d
         *z0 = fmin(*z0, low - slab_of(e, storey));
         if (high > e->ceiling[storey]) *z1 = fmax(*z1, high + ROOF);
     }
+    // Beside a room that is higher than its storey it ends under the rooms of the storeys above it.
+    for (int k = 0; k < e->b->storey_count; k++) {
+        const Spot *above = spot_at(e, k, face);
+        if (e->floor[k] < e->cover[storey] || above->indoor < 0 || !spot_is_open(above)) continue;
+        double low, high;
+        room_heights(e, k, above->indoor, &low, &high);
+        *z1 = fmin(*z1, fmax(low, e->cover[storey]));
+    }
 }
 
 // ---- the layers
@@ -155,7 +163,8 @@ static void paint_cutouts(const Enclosure *e, int face, Painter *p) {
                 p->spans[i - 1].kind != SPAN_SOLID)
                 continue;
             double below = p->spans[i - 1].z0;
-            if (i >= 2 && floor - below <= THICKEST_SLAB)
+            // What is said to be slab is none measured badly, as above a ceiling that hangs low.
+            if (i >= 2 && floor - below <= fmax(THICKEST_SLAB, slab_of(e, s)))
                 paint(p, span(SPAN_SHAFT, spot->cutout, s, below, floor));
             break;
         }

@@ -204,7 +204,7 @@ static void absorb_slivers(Enclosure *e, Pass *pass) {
 void cover_label(Enclosure *e, Pass *pass, bool with_plugs) {
     size_t count = (size_t)e->b->storey_count * (size_t)pass->plan.face_count;
     pass->spots = ARENA_ARRAY(e->scratch, Spot, count);
-    for (size_t i = 0; i < count; i++) pass->spots[i] = (Spot){NO_WALL, {-1, -1}, -1, -1, -1, -1, -1};
+    for (size_t i = 0; i < count; i++) pass->spots[i] = (Spot){NO_WALL, {-1, -1, -1, -1}, -1, -1, -1, -1, -1};
     label_walls(e, pass);
     label_implicit_walls(e, pass);
     label_fillings(e, pass, e->slits, WALL_SLIT);

@@ -72,7 +72,9 @@ static void report_holes(Enclosure *e) {
         int other = -1;
         for (int k = plan_faces_in(e, p, &h->box); k-- > 0;) {
             const Spot *spot = &spots[e->faces.items[k]];
-            if (spot->hole[0] == i || spot->hole[1] == i) {
+            bool own = false;
+            for (int n = 0; n < SPOT_HOLES; n++) own = own || spot->hole[n] == i;
+            if (own) {
                 kept += p->faces[e->faces.items[k]].area;
             } else {
                 lost += p->faces[e->faces.items[k]].area;

@@ -1,0 +1,269 @@
+// ifc_building_objects.c - the bodies of products as objects: furniture, stairs, columns, roofs, balconies, lamps; and styles as
+// materials. Walls, and floors under rooms, are made from the free space; of a slab only what lies beyond rooms and walls is added.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "maps/ifc/ifc_building.h"
+
+// Glass whose style is opaque, and a share below which nothing is seen of a polygon.
+static const float GLASS_ALPHA = 0.3f, CLEAREST = 0.05f;
+// Radiant flux of a light fixture, W: some 2,300 lm, as a luminaire of an office has. Files seldom say it.
+static const double LAMP_WATTS = 10;
+static const double LAMP_RADIUS = 0.0325;
+// A polygon this near to the floor or the ceiling of a room lies in it, metres.
+static const double IN_PLANE = 0.01;
+// The part of a slab beyond rooms and walls counts from this area and width on, metres^2 and metres.
+static const double BALCONY = 0.5, BALCONY_WIDTH = 0.15;
+
+const char *ifc_name(const IfcPlan *p, int product) {
+    const IfcProduct *it = &p->model->products[product];
+    const char *number = it->name, *name = it->long_name;
+    if (it->kind != IFC_SPACE || !*name || strcmp(name, number) == 0) return *number ? number : name;
+    return *number ? arena_format(p->arena, "%s %s", number, name) : name;
+}
+
+const char *ifc_place(const IfcPlan *p, int product) {
+    const IfcProduct *it = &p->model->products[product];
+    const char *kind = it->kind == IFC_OTHER ? it->type : ifc_kind_name(it->kind),
+               *name = ifc_name(p, product);
+    return *name ? arena_format(p->arena, "#%d %s `%.80s`", it->entity, kind, name)
+                 : arena_format(p->arena, "#%d %s", it->entity, kind);
+}
+
+// ---- materials
+
+static int channel(float c) { return (int)lrintf(fminf(fmaxf(c, 0), 1) * 255); }
+
+static bool is_glass(const char *name) {
+    static const char *const WORDS[] = {"glas", "verre", "vetro", "vidrio", "cristal", NULL};
+    for (int i = 0; WORDS[i]; i++)
+        if (strcasestr(name, WORDS[i])) return true;
+    return false;
+}
+
+int ifc_material(IfcPlan *p, int material, int otherwise) {
+    if (material <= 0) return otherwise;
+    if (p->material[material] >= 0) return p->material[material];
+    const IfcMaterial *m = &p->model->materials[material];
+    unsigned rgb = 0;
+    for (int i = 0; i < 3; i++) rgb = rgb << 8 | (unsigned)channel(m->colour[i]);
+    Material out = {.name = arena_string(p->arena, m->name),
+                    .reflectance = maps_colour(rgb),
+                    .alpha = fminf(fmaxf(m->alpha, CLEAREST), 1)};
+    if (out.alpha > 0.99f) out.alpha = 1;
+    if (out.alpha == 1 && is_glass(m->name)) out.alpha = GLASS_ALPHA;
+    return p->material[material] = building_add_material(p->arena, p->b, out);
+}
+
+// ---- meshes
+
+// Whether a level polygon lies in the floor or the ceiling of a room, which is there already.
+static bool in_room_plane(const IfcPlan *p, const Vec3 *c, int count) {
+    double low = INFINITY, high = -INFINITY;
+    Vec3 middle = vec3(0, 0, 0);
+    for (int i = 0; i < count; i++) {
+        low = fmin(low, c[i].z);
+        high = fmax(high, c[i].z);
+        middle = vec3_add(middle, vec3_scale(c[i], 1.0 / count));
+    }
+    if (high - low > IN_PLANE) return false;
+    for (int side = -1; side <= 1; side += 2) {
+        int room = ifc_room_at(p, -1, vec3(middle.x, middle.y, middle.z + side * 2 * IN_PLANE));
+        if (room < 0) continue;
+        double plane = side > 0 ? p->rooms[room].z0 : p->rooms[room].z1;
+        if (fabs(middle.z - plane) <= IN_PLANE) return true;
+    }
+    return false;
+}
+
+int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise) {
+    Building *b = p->b;
+    if (mesh->polygon_count == 0 || b->polygon_count + mesh->polygon_count > BUILDING_MOST_POLYGONS)
+        return -1;
+    int object = building_add_object(p->arena, b, kind, name);
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *polygon = &mesh->polygons[i];
+        const Vec3 *corners = mesh->corners + polygon->first_corner;
+        if (in_room_plane(p, corners, polygon->corner_count)) continue;
+        building_add_polygon(p->arena, b, corners, polygon->corner_count,
+                             ifc_material(p, polygon->material, otherwise));
+    }
+    if (b->objects[object].polygon_count > 0) return object;
+    b->object_count--;
+    return -1;
+}
+
+static void add_lamp(IfcPlan *p, int product, int object) {
+    const IfcProduct *it = &p->model->products[product];
+    Box box = it->box;
+    Vec3 at = vec3_lerp(box.min, box.max, 0.5);
+    at.z = fmax(box.min.z + LAMP_RADIUS, at.z - 0.2);
+    const float share = (float)(LAMP_WATTS / 3);
+    Light light = {.name = ifc_name(p, product),
+                   .position = at,
+                   .radius = LAMP_RADIUS,
+                   .flux = {share, share, share},
+                   .object = object,
+                   .turn = atan2(it->axis[0].y, it->axis[0].x)};
+    *ARENA_PUSH(p->arena, p->b->lights, p->b->light_count, p->b->light_capacity) = light;
+}
+
+// ---- slabs
+
+// A level plate: its top, underside and edges.
+static void add_plate(IfcPlan *p, const SolidOutline *o, double z0, double z1, int material) {
+    Vec2 *ring;
+    int n = solid_one_ring(o, &p->scratch, &ring);
+    Vec3 *top = ARENA_ARRAY(&p->scratch, Vec3, n), *under = ARENA_ARRAY(&p->scratch, Vec3, n);
+    for (int i = 0; i < n; i++) {
+        top[i] = vec3(ring[i].x, ring[i].y, z1);
+        under[n - 1 - i] = vec3(ring[i].x, ring[i].y, z0);
+    }
+    building_add_polygon(p->arena, p->b, top, n, material);
+    building_add_polygon(p->arena, p->b, under, n, material);
+    for (int r = 0; r < o->ring_count; r++) {
+        for (int i = o->ring[r]; i < o->ring[r + 1]; i++) {
+            Vec2 a = o->points[i], b = o->points[i + 1 == o->ring[r + 1] ? o->ring[r] : i + 1];
+            Vec3 side[4] = {{a.x, a.y, z0}, {b.x, b.y, z0}, {b.x, b.y, z1}, {a.x, a.y, z1}};
+            building_add_polygon(p->arena, p->b, side, 4, material);
+        }
+    }
+}
+
+// Balconies, terraces and landings: what of a level slab lies beyond the rooms and walls beside it.
+static void add_slab(IfcPlan *p, int product) {
+    const IfcModel *m = p->model;
+    const IfcProduct *it = &m->products[product];
+    double z0 = it->box.min.z, z1 = it->box.max.z, middle = (z0 + z1) / 2;
+    SolidOutlines within = {NULL, 0, 0};
+    for (int i = 0; i < p->room_count; i++) {
+        const IfcRoom *room = &p->rooms[i];
+        // A room through whose middle the slab reaches does not hide it.
+        if (z0 > room->z0 + 0.5 && z1 < room->z1 - 0.5) continue;
+        if (room->z1 < z0 - 0.5 || room->z0 > z1 + 0.5) continue;
+        for (int k = 0; k < room->outline.count; k++)
+            *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = room->outline.items[k];
+    }
+    for (int i = 0; i < m->product_count; i++) {
+        if (p->walls[i].count == 0 || m->products[i].box.min.z > z1 + 0.1 ||
+            m->products[i].box.max.z < z0 - 0.1)
+            continue;
+        for (int k = 0; k < p->walls[i].count; k++)
+            *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = p->walls[i].items[k];
+    }
+    for (int i = 0; i < it->mesh.polygon_count; i++)
+        solid_add(p->tracer, it->mesh.corners + it->mesh.polygons[i].first_corner,
+                  it->mesh.polygons[i].corner_count);
+    SolidOutlines whole = solid_cover(p->tracer, middle, middle + MAPS_GRID);
+    SolidOutlines rest = solid_difference(p->tracer, &whole, &within, BALCONY_WIDTH);
+    int material = p->thing_material;
+    for (int i = 0; i < it->mesh.polygon_count && material == p->thing_material; i++)
+        material = ifc_material(p, it->mesh.polygons[i].material, p->thing_material);
+    int object = -1;
+    for (int i = 0; i < rest.count; i++) {
+        if (rest.items[i].area < BALCONY) continue;
+        if (object < 0) object = building_add_object(p->arena, p->b, OBJECT_LOW_WALL, ifc_name(p, product));
+        add_plate(p, &rest.items[i], z0, z1, material);
+    }
+}
+
+// A slab between level planes, whose parts can be taken away in plan.
+static bool is_level(const IfcProduct *it) {
+    double volume_like = 0, level = 0;
+    for (int i = 0; i < it->mesh.polygon_count; i++) {
+        const IfcPolygon *polygon = &it->mesh.polygons[i];
+        Plane plane = plane_of_polygon(it->mesh.corners + polygon->first_corner, polygon->corner_count);
+        volume_like += 1;
+        level += fabs(plane.n.z) > 0.9999 || fabs(plane.n.z) < 1e-4;
+    }
+    return volume_like > 0 && level == volume_like;
+}
+
+// ---- all
+
+static bool in_wall(const IfcPlan *p, const IfcProduct *it) {
+    Vec3 middle = vec3_lerp(it->box.min, it->box.max, 0.5);
+    for (int i = 0; i < p->model->product_count; i++)
+        for (int k = 0; k < p->walls[i].count; k++)
+            if (solid_contains(&p->walls[i].items[k], vec2(middle.x, middle.y)) &&
+                box_overlap(it->box, p->model->products[i].box))
+                return true;
+    return false;
+}
+
+static bool in_curtain(const IfcModel *m, const IfcProduct *it) {
+    return it->whole >= 0 && m->products[it->whole].kind == IFC_CURTAIN_WALL;
+}
+
+static void add_product(IfcPlan *p, int product) {
+    const IfcModel *m = p->model;
+    const IfcProduct *it = &m->products[product];
+    const char *name = ifc_name(p, product);
+    ObjectKind kind = OBJECT_FURNITURE;
+    bool box = false;  // has a stand-in for collision and light
+    int otherwise = p->thing_material, object;
+    switch (it->kind) {
+    case IFC_SPACE:
+    case IFC_OPENING:
+    case IFC_DOOR:
+    case IFC_WINDOW:
+    case IFC_SITE:
+    case IFC_CURTAIN_WALL:
+    case IFC_KINDS:
+        return;
+    case IFC_WALL:
+        if (p->walls[product].count > 0) return;
+        kind = OBJECT_LOW_WALL;
+        otherwise = p->wall_material;
+        break;
+    case IFC_SLAB:
+        if (ifc_is_stair(m, it)) {
+            kind = OBJECT_STAIR;
+            box = true;
+            break;
+        }
+        if (it->mesh.polygon_count && is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
+            add_slab(p, product);
+            return;
+        }
+        kind = OBJECT_LOW_WALL;
+        break;
+    case IFC_ROOF:
+    case IFC_COVERING:
+    case IFC_BEAM:
+        kind = OBJECT_LOW_WALL;
+        break;
+    case IFC_STAIR:
+    case IFC_RAMP:
+        kind = OBJECT_STAIR;
+        box = true;
+        break;
+    case IFC_COLUMN:
+        if (in_wall(p, it)) return;
+        box = true;
+        break;
+    case IFC_MEMBER:
+    case IFC_PLATE:
+        if (in_curtain(m, it)) return;
+        break;
+    case IFC_RAILING:
+        break;
+    case IFC_LIGHT:
+        kind = OBJECT_LAMP;
+        box = true;
+        break;
+    case IFC_FURNISHING:
+    case IFC_OTHER:
+        box = true;
+        break;
+    }
+    object = ifc_add_mesh(p, &it->mesh, kind, name, otherwise);
+    if (object >= 0 && box) building_set_proxy(p->b, atan2(it->axis[0].y, it->axis[0].x));
+    if (it->kind == IFC_LIGHT && object >= 0) add_lamp(p, product, object);
+}
+
+void ifc_add_objects(IfcPlan *p) {
+    for (int i = 0; i < p->model->product_count; i++) add_product(p, i);
+}

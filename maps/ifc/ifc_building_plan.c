@@ -1,0 +1,751 @@
+// ifc_building_plan.c - storeys, rooms, walls and floors of a building model as a sketch.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "engine/core/polygon.h"
+#include "maps/ifc/ifc_building.h"
+
+// Metres. Storeys whose floors lie nearer than this are one.
+static const double SAME_FLOOR = 0.3;
+// A space belongs to the storey that its file says, if its floor is within this of the storey's; else to that below it.
+static const double STOREY_REACH = 1.5;
+// What stands this far below a floor still stands on it.
+static const double STEP = 0.3;
+// Heights nearer than this are equal.
+static const double SAME_HEIGHT = 0.002;
+// Of a space, this much above its floor and below its ceiling is left out where its outline is traced; and of a wall.
+static const double TRACE = 0.01;
+// Spaces lower or smaller than this are no rooms: metres, metres^2.
+static const double LEAST_HEIGHT = 0.5, LEAST_AREA = 0.05;
+// A space that other, smaller spaces cover to this share is a zone.
+static const double ZONE = 0.8;
+// A wall bounds a storey's rooms where it reaches through this share of its height; or is as high as a room for people.
+static const double WALL_SHARE = 0.6;
+// A wall that ends this near below the ceiling was meant to reach it.
+static const double CEILING_GAP = 0.35;
+// The storey height of a file that has neither spaces nor walls by which to tell, and the slab where there is none; metres.
+static const double DEFAULT_HEIGHT = 2.5, DEFAULT_SLAB = 0.3, LEAST_SLAB = 0.05;
+
+typedef struct Level {
+    double elevation;
+    const char *name;
+    int first;  // in IfcModel.storeys, -1
+} Level;
+
+// ---- spaces
+
+static bool is_zone_type(const IfcProduct *s) { return strcasecmp(s->predefined, "GFA") == 0; }
+
+static void trace_mesh(IfcPlan *p, const IfcMesh *mesh) {
+    for (int i = 0; i < mesh->polygon_count; i++)
+        solid_add(p->tracer, mesh->corners + mesh->polygons[i].first_corner, mesh->polygons[i].corner_count);
+}
+
+// Whether the body is made of upright prisms alone, of which nothing was cut off.
+static bool is_prisms(const IfcModel *m, const IfcProduct *product) {
+    if (product->footprint_count == 0 || product->footprint_count != product->item_count) return false;
+    for (int i = 0; i < product->footprint_count; i++)
+        if (m->footprints[product->first_footprint + i].clipped) return false;
+    return true;
+}
+
+static SolidOutline outline_of(const IfcPlan *p, const IfcFootprint *f, Arena *arena) {
+    const IfcModel *m = p->model;
+    int total = 0;
+    for (int r = 0; r < f->ring_count; r++) total += m->rings[f->first_ring + r].point_count;
+    SolidOutline o = {ARENA_ARRAY(arena, Vec2, total), ARENA_ARRAY(arena, int, f->ring_count + 1),
+                      f->ring_count, 0};
+    for (int r = 0; r < f->ring_count; r++) {
+        const IfcRing *ring = &m->rings[f->first_ring + r];
+        o.ring[r + 1] = o.ring[r] + ring->point_count;
+        memcpy(o.points + o.ring[r], m->points + ring->first_point,
+               (size_t)ring->point_count * sizeof *o.points);
+        SolidOutline one = solid_of_ring(arena, o.points + o.ring[r], ring->point_count);
+        o.area += r == 0 ? one.area : -one.area;
+    }
+    return o;
+}
+
+static SolidOutlines cover(IfcPlan *p, int product, double z0, double z1);
+
+// A curtain wall covers what its parts cover.
+static SolidOutlines cover_parts(IfcPlan *p, int product, double z0, double z1) {
+    SolidOutlines out = {NULL, 0, 0};
+    for (int i = 0; i < p->model->product_count; i++) {
+        const IfcProduct *it = &p->model->products[i];
+        if (it->whole != product || box_is_empty(it->box)) continue;
+        SolidOutlines part = cover(p, i, z0, z1);
+        for (int k = 0; k < part.count; k++)
+            *ARENA_PUSH(&p->scratch, out.items, out.count, out.capacity) = part.items[k];
+    }
+    return out.count > 1 ? solid_union(p->tracer, &out) : out;
+}
+
+// What a product covers of the plan between two heights.
+static SolidOutlines cover(IfcPlan *p, int product, double z0, double z1) {
+    const IfcProduct *it = &p->model->products[product];
+    SolidOutlines out = {NULL, 0, 0};
+    if (it->kind == IFC_CURTAIN_WALL && it->whole_mesh.polygon_count == 0)
+        return cover_parts(p, product, z0, z1);
+    if (is_prisms(p->model, it)) {
+        for (int i = 0; i < it->footprint_count; i++) {
+            const IfcFootprint *f = &p->model->footprints[it->first_footprint + i];
+            if (f->top <= z0 || f->base >= z1) continue;
+            *ARENA_PUSH(&p->scratch, out.items, out.count, out.capacity) = outline_of(p, f, &p->scratch);
+        }
+        // Prisms that overlap or stand on one another are one.
+        return out.count > 1 ? solid_union(p->tracer, &out) : out;
+    }
+    trace_mesh(p, &it->whole_mesh);
+    return solid_cover(p->tracer, z0, z1);
+}
+
+static double area_of(const SolidOutlines *o) {
+    double area = 0;
+    for (int i = 0; i < o->count; i++) area += o->items[i].area;
+    return area;
+}
+
+static int by_area(const void *pa, const void *pb) {
+    const IfcRoom *a = pa, *b = pb;
+    if (a->area != b->area) return a->area < b->area ? -1 : 1;
+    return a->product - b->product;
+}
+
+static void measure_spaces(IfcPlan *p) {
+    const IfcModel *m = p->model;
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *s = &m->products[i];
+        if (s->kind != IFC_SPACE || is_zone_type(s)) continue;
+        Vec3 at = box_is_empty(s->box) ? vec3(0, 0, 0) : vec3_lerp(s->box.min, s->box.max, 0.5);
+        IfcRoom room = {.product = i, .storey = -1, .name = ifc_name(p, i)};
+        room.z0 = maps_snap(s->box.min.z);
+        room.z1 = maps_snap(s->box.max.z);
+        if (!box_is_empty(s->box) && room.z1 - room.z0 >= LEAST_HEIGHT)
+            room.outline = cover(p, i, room.z0 + TRACE, fmin(room.z1 - TRACE, room.z0 + SKETCH_LEAST_ROOM));
+        room.area = area_of(&room.outline);
+        if (room.area < LEAST_AREA) {
+            building_tally(&p->no_body, ifc_place(p, i), at);
+            continue;
+        }
+        *ARENA_PUSH(&p->scratch, p->rooms, p->room_count, p->room_capacity) = room;
+    }
+    qsort(p->rooms, (size_t)p->room_count, sizeof *p->rooms, by_area);
+}
+
+// A space that consists of others is a zone: a flat, a gross area.
+static void drop_zones(IfcPlan *p) {
+    int kept = 0;
+    for (int i = 0; i < p->room_count; i++) {
+        IfcRoom *room = &p->rooms[i];
+        SolidOutlines within = {NULL, 0, 0};
+        Box box = p->model->products[room->product].box;
+        for (int k = 0; k < kept; k++) {
+            const IfcRoom *other = &p->rooms[k];
+            double height = fmin(room->z1, other->z1) - fmax(room->z0, other->z0);
+            if (height < 0.5 * (other->z1 - other->z0) ||
+                !box_overlap(box, p->model->products[other->product].box))
+                continue;
+            for (int n = 0; n < other->outline.count; n++)
+                *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) =
+                    other->outline.items[n];
+        }
+        double common = within.count ? solid_common_area(p->tracer, &room->outline, &within) : 0;
+        if (common >= ZONE * room->area) {
+            building_note(p->arena, p->b, NOTE_DROPPED, vec3_lerp(box.min, box.max, 0.5),
+                          "%s: %s is a zone, for other spaces cover %.0f %% of it: left out", p->path,
+                          ifc_place(p, room->product), 100 * common / room->area);
+            continue;
+        }
+        p->rooms[kept++] = *room;
+    }
+    p->room_count = kept;
+}
+
+// ---- storeys
+
+// The height at which the greatest area lies, of equal ones the lowest.
+static double commonest(const double *height, const double *area, int count) {
+    double best = NAN, most = 0;
+    for (int i = 0; i < count; i++) {
+        double sum = 0;
+        for (int k = 0; k < count; k++)
+            if (fabs(height[k] - height[i]) <= SAME_HEIGHT) sum += area[k];
+        if (sum > most * (1 + 1e-9) || (sum >= most && height[i] < best)) best = height[i], most = sum;
+    }
+    return best;
+}
+
+static bool holds_rooms(const IfcPlan *p, int storey, bool spaces) {
+    const IfcModel *m = p->model;
+    for (int i = 0; i < p->room_count; i++)
+        if (m->products[p->rooms[i].product].storey == storey) return true;
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        if (it->storey != storey || box_is_empty(it->box)) continue;
+        if (it->kind == IFC_DOOR) return true;
+        if (!spaces && it->kind == IFC_WALL && it->box.max.z - it->box.min.z >= SKETCH_LEAST_ROOM)
+            return true;
+    }
+    return false;
+}
+
+static int by_elevation(const void *pa, const void *pb) {
+    const Level *a = pa, *b = pb;
+    if (a->elevation != b->elevation) return a->elevation < b->elevation ? -1 : 1;
+    return a->first - b->first;
+}
+
+// Storeys of the file that hold rooms; where there are none, the floors of spaces, or the feet of walls.
+static Level *find_levels(IfcPlan *p, int *count) {
+    const IfcModel *m = p->model;
+    Level *levels = NULL;
+    int capacity = 0;
+    *count = 0;
+    for (int i = 0; i < m->storey_count; i++)
+        if (holds_rooms(p, i, p->room_count > 0))
+            *ARENA_PUSH(&p->scratch, levels, *count, capacity) =
+                (Level){m->storeys[i].elevation, m->storeys[i].name, i};
+    if (*count > 0) return levels;
+    for (int i = 0; i < p->room_count; i++)
+        *ARENA_PUSH(&p->scratch, levels, *count, capacity) = (Level){p->rooms[i].z0, "", -1};
+    for (int i = 0; p->room_count == 0 && i < m->product_count; i++)
+        if (m->products[i].kind == IFC_WALL && !box_is_empty(m->products[i].box))
+            *ARENA_PUSH(&p->scratch, levels, *count, capacity) = (Level){m->products[i].box.min.z, "", -1};
+    if (*count > 0) qsort(levels, (size_t)*count, sizeof *levels, by_elevation);
+    return levels;
+}
+
+int ifc_storey_at(const IfcPlan *p, double z) {
+    int best = -1;
+    for (int i = 0; i < p->b->storey_count; i++)
+        if (p->b->storeys[i].floor <= z + STEP) best = i;
+    return best < 0 ? 0 : best;
+}
+
+static void place_rooms(IfcPlan *p) {
+    for (int i = 0; i < p->room_count; i++) {
+        IfcRoom *room = &p->rooms[i];
+        int said = p->model->products[room->product].storey;
+        int storey = said >= 0 ? p->storey[said] : -1;
+        if (storey < 0 || fabs(p->b->storeys[storey].floor - room->z0) > STOREY_REACH)
+            storey = ifc_storey_at(p, room->z0);
+        room->storey = storey;
+    }
+}
+
+// The floor and the ceiling of each storey are those of the greatest part of its spaces.
+static void measure_storeys(IfcPlan *p) {
+    Building *b = p->b;
+    const IfcModel *m = p->model;
+    int most = p->room_count + m->product_count;
+    double *low = ARENA_ARRAY(&p->scratch, double, most), *high = ARENA_ARRAY(&p->scratch, double, most),
+           *area = ARENA_ARRAY(&p->scratch, double, most);
+    for (int s = 0; s < b->storey_count; s++) {
+        int count = 0;
+        for (int i = 0; i < p->room_count; i++) {
+            if (p->rooms[i].storey != s) continue;
+            low[count] = p->rooms[i].z0;
+            high[count] = p->rooms[i].z1;
+            area[count++] = p->rooms[i].area;
+        }
+        bool spaces = count > 0;
+        for (int i = 0; !spaces && i < m->product_count; i++) {
+            const IfcProduct *w = &m->products[i];
+            if (w->kind != IFC_WALL || w->storey < 0 || p->storey[w->storey] != s || box_is_empty(w->box))
+                continue;
+            Vec3 size = vec3_sub(w->box.max, w->box.min);
+            low[count] = w->box.min.z;
+            high[count] = w->box.max.z;
+            area[count++] = hypot(size.x, size.y);
+        }
+        Storey *storey = &b->storeys[s];
+        if (spaces) storey->floor = maps_snap(commonest(low, area, count));
+        double top = count ? maps_snap(commonest(high, area, count)) : NAN;
+        if (!(top > storey->floor + LEAST_HEIGHT)) top = storey->floor + DEFAULT_HEIGHT;
+        storey->height = maps_snap(top - storey->floor);
+    }
+    for (int s = 0; s < b->storey_count; s++) {
+        Storey *storey = &b->storeys[s], *above = s + 1 < b->storey_count ? storey + 1 : NULL;
+        // Walls reach up to the next floor; the ceiling lies below its slab.
+        bool spaces = false;
+        for (int i = 0; i < p->room_count; i++) spaces = spaces || p->rooms[i].storey == s;
+        if (above && !spaces && above->floor > storey->floor + DEFAULT_HEIGHT)
+            storey->height = maps_snap(fmin(storey->height, above->floor - storey->floor - DEFAULT_SLAB));
+        const Storey *below = s ? storey - 1 : NULL;
+        double slab = below ? storey->floor - below->floor - below->height : DEFAULT_SLAB;
+        // Above a ceiling that hangs low all is solid, up to the next floor.
+        storey->slab = maps_snap(slab > LEAST_SLAB ? slab : DEFAULT_SLAB);
+    }
+}
+
+bool ifc_plan_storeys(IfcPlan *p, Error *error) {
+    const IfcModel *m = p->model;
+    Building *b = p->b;
+    measure_spaces(p);
+    drop_zones(p);
+    int count;
+    const Level *levels = find_levels(p, &count);
+    for (int i = 0; i < m->storey_count; i++) p->storey[i] = -1;
+    for (int i = 0; i < count; i++) {
+        double floor = maps_snap(levels[i].elevation);
+        if (b->storey_count == 0 || floor - b->storeys[b->storey_count - 1].floor > SAME_FLOOR)
+            *ARENA_PUSH(p->arena, b->storeys, b->storey_count, b->storey_capacity) =
+                (Storey){arena_string(p->arena, levels[i].name), floor, DEFAULT_HEIGHT, DEFAULT_SLAB};
+        if (levels[i].first >= 0) p->storey[levels[i].first] = b->storey_count - 1;
+    }
+    if (b->storey_count == 0)
+        return error_set(error, "%s: has no storey, no space and no wall from which to tell a floor",
+                         p->path);
+    place_rooms(p);
+    measure_storeys(p);
+    // The floors of spaces are not the elevations of their storeys.
+    place_rooms(p);
+    return true;
+}
+
+// ---- rooms
+
+int ifc_room_at(const IfcPlan *p, int storey, Vec3 place) {
+    for (int i = 0; i < p->room_count; i++) {
+        const IfcRoom *room = &p->rooms[i];
+        if ((storey >= 0 && room->storey != storey) || place.z <= room->z0 || place.z >= room->z1) continue;
+        for (int k = 0; k < room->outline.count; k++)
+            if (solid_contains(&room->outline.items[k], vec2(place.x, place.y))) return i;
+    }
+    return -1;
+}
+
+static int add_points(IfcPlan *p, const Vec2 *points, int count, const int *material) {
+    Sketch *s = &p->sketch;
+    int first = s->point_count;
+    for (int i = 0; i < count; i++) {
+        // Both arrays have one length.
+        int at = s->point_count;
+        *ARENA_PUSH(p->arena, s->points, s->point_count, s->point_capacity) = points[i];
+        *ARENA_PUSH(p->arena, s->edge_material, at, s->edge_capacity) = material ? material[i] : -1;
+    }
+    return first;
+}
+
+// The material of the largest polygon of a mesh that faces along `n`, no more than a few degrees off; -1: none has a style.
+static int facing_material(IfcPlan *p, const IfcMesh *mesh, Vec3 n) {
+    double most = 0;
+    int best = -1;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *polygon = &mesh->polygons[i];
+        const Vec3 *c = mesh->corners + polygon->first_corner;
+        double area = polygon_area(c, polygon->corner_count);
+        if (area <= most || polygon->material == 0 ||
+            vec3_dot(plane_of_polygon(c, polygon->corner_count).n, n) < 0.98)
+            continue;
+        most = area;
+        best = ifc_material(p, polygon->material, -1);
+    }
+    return best;
+}
+
+// The material of the floor on which a room stands: that of the covering or slab whose top is nearest to it.
+static int floor_material(IfcPlan *p, const IfcRoom *room) {
+    const IfcModel *m = p->model;
+    Box box = m->products[room->product].box;
+    Vec3 middle = vec3_lerp(box.min, box.max, 0.5);
+    double nearest = STEP;
+    int best = -1;
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        if ((it->kind != IFC_SLAB && it->kind != IFC_COVERING) || box_is_empty(it->box)) continue;
+        double off = fabs(it->box.max.z - room->z0);
+        if (off >= nearest || middle.x < it->box.min.x || middle.x > it->box.max.x ||
+            middle.y < it->box.min.y || middle.y > it->box.max.y)
+            continue;
+        int material = facing_material(p, &it->mesh, vec3(0, 0, 1));
+        if (material < 0 || p->b->materials[material].alpha < 1) continue;
+        nearest = off;
+        best = material;
+    }
+    return best < 0 ? p->floor_material : best;
+}
+
+// Parts of a space's boundary inside the prism of its room: sloped ceilings, lowered ones, steps. They are seen from inside.
+static void add_inner_faces(IfcPlan *p, const IfcRoom *room) {
+    static const double EDGE = 0.01;  // metres: a face this near to the outline is a wall's
+    const IfcMesh *mesh = &p->model->products[room->product].mesh;
+    if (is_prisms(p->model, &p->model->products[room->product])) return;
+    bool begun = false;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *polygon = &mesh->polygons[i];
+        int n = polygon->corner_count;
+        const Vec3 *c = mesh->corners + polygon->first_corner;
+        Plane plane = plane_of_polygon(c, n);
+        double low = INFINITY, high = -INFINITY;
+        Vec3 middle = vec3(0, 0, 0);
+        for (int k = 0; k < n; k++) {
+            low = fmin(low, c[k].z);
+            high = fmax(high, c[k].z);
+            middle = vec3_add(middle, vec3_scale(c[k], 1.0 / n));
+        }
+        bool ceiling = plane.n.z > 0.01 && low < room->z1 - SAME_HEIGHT,
+             floor = plane.n.z < -0.01 && high > room->z0 + SAME_HEIGHT;
+        if (!ceiling && !floor) {
+            // An upright face: both its sides within the outline?
+            if (fabs(plane.n.z) > 0.01) continue;
+            int sides = 0;
+            for (int side = -1; side <= 1; side += 2) {
+                Vec3 at = vec3_add(middle, vec3_scale(plane.n, side * EDGE));
+                for (int k = 0; k < room->outline.count; k++)
+                    sides += solid_contains(&room->outline.items[k], vec2(at.x, at.y));
+            }
+            if (sides < 2) continue;
+        }
+        if (!begun) building_add_object(p->arena, p->b, OBJECT_LOW_WALL, "sloped ceiling");
+        begun = true;
+        Vec3 *turned = ARENA_ARRAY(&p->scratch, Vec3, n);
+        for (int k = 0; k < n; k++) turned[k] = c[n - 1 - k];
+        building_add_polygon(p->arena, p->b, turned, n,
+                             floor     ? p->floor_material
+                             : ceiling ? p->ceiling_material
+                                       : p->wall_material);
+    }
+    if (begun && p->b->objects[p->b->object_count - 1].polygon_count == 0) p->b->object_count--;
+}
+
+// Metres: how far from its outline a room's wall may begin; between the places that are probed; thickness of a wall that is assumed.
+static const double WALL_REACH = 0.35, PROBE = 0.2, THIN_WALL = 0.05;
+// Share of a room's outline without walls above which maps_enclose might take it for a terrace; and the share of it under a roof that
+// makes it a room all the same.
+static const double OPEN_SHARE = 0.4, ROOFED = 0.5;
+
+// Whether a wall that bounds the room, or another room, stands at a place.
+static bool is_bounded_at(const IfcPlan *p, const IfcRoom *room, Vec2 at) {
+    const IfcModel *m = p->model;
+    double half = room->z0 + 0.5 * fmin(room->z1 - room->z0, SKETCH_LEAST_ROOM);
+    int other = ifc_room_at(p, room->storey, vec3(at.x, at.y, half));
+    if (other >= 0 && &p->rooms[other] != room) return true;
+    for (int i = 0; i < m->product_count; i++) {
+        Box box = m->products[i].box;
+        // A curtain wall has the bodies of its parts alone.
+        if (p->walls[i].count == 0 ||
+            (!box_is_empty(box) && (box.min.z > room->z0 + STEP ||
+                                    box.max.z < fmin(room->z1 - CEILING_GAP, room->z0 + SKETCH_LEAST_ROOM))))
+            continue;
+        for (int k = 0; k < p->walls[i].count; k++)
+            if (solid_contains(&p->walls[i].items[k], at)) return true;
+    }
+    return false;
+}
+
+// The length of the room's outline along which nothing bounds it, and its share of the outline.
+static double open_length(const IfcPlan *p, const IfcRoom *room, double *share) {
+    double open = 0, all = 0;
+    for (int i = 0; i < room->outline.count; i++) {
+        const SolidOutline *o = &room->outline.items[i];
+        for (int k = 0; k < o->ring[1]; k++) {
+            Vec2 a = o->points[k], d = vec2_sub(o->points[(k + 1) % o->ring[1]], a);
+            double length = vec2_length(d);
+            int probes = 1 + (int)fmin(length / PROBE, 1000);
+            all += length;
+            for (int n = 0; n < probes; n++) {
+                Vec2 at = vec2_add(a, vec2_scale(d, (n + 0.5) / probes));
+                bool bounded = false;
+                for (int far = 1; far <= 4 && !bounded; far++)
+                    bounded = is_bounded_at(
+                        p, room, vec2_add(at, vec2_scale(vec2(d.y, -d.x), WALL_REACH * far / 4 / length)));
+                if (!bounded) open += length / probes;
+            }
+        }
+    }
+    *share = all > 0 ? open / all : 0;
+    return open;
+}
+
+// Whether a roof, a slab or a room of the file lies over most of the room.
+static bool is_roofed(IfcPlan *p, const IfcRoom *room) {
+    const IfcModel *m = p->model;
+    SolidOutlines over = {NULL, 0, 0};
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        bool roof = it->kind == IFC_ROOF || it->kind == IFC_SLAB || it->kind == IFC_COVERING;
+        if (!roof || box_is_empty(it->box) || it->box.max.z < room->z0 + SKETCH_LEAST_ROOM) continue;
+        trace_mesh(p, &it->mesh);
+        SolidOutlines part = solid_cover(p->tracer, fmax(it->box.min.z, room->z0 + STEP), it->box.max.z);
+        for (int k = 0; k < part.count; k++)
+            *ARENA_PUSH(&p->scratch, over.items, over.count, over.capacity) = part.items[k];
+    }
+    return over.count && solid_common_area(p->tracer, &room->outline, &over) >= ROOFED * room->area;
+}
+
+// A space without walls on all sides is closed where a roof covers it, as under a slanting one; else it is a terrace.
+static bool needs_walls(IfcPlan *p, const IfcRoom *room) {
+    double share, open = open_length(p, room, &share);
+    if (share < OPEN_SHARE || !is_roofed(p, room)) return false;
+    Box box = p->model->products[room->product].box;
+    building_note(p->arena, p->b, NOTE_CHANGED, vec3_lerp(box.min, box.max, 0.5),
+                  "%s: %s has no wall along %.1f m of its outline: it is closed by one of %g m there",
+                  p->path, ifc_place(p, room->product), open, THIN_WALL);
+    return true;
+}
+
+void ifc_plan_rooms(IfcPlan *p) {
+    Sketch *s = &p->sketch;
+    for (int i = 0; i < p->room_count; i++) {
+        const IfcRoom *room = &p->rooms[i];
+        const IfcProduct *space = &p->model->products[room->product];
+        const Storey *storey = &p->b->storeys[room->storey];
+        bool outdoors = strcasecmp(space->predefined, "EXTERNAL") == 0;
+        int floor = floor_material(p, room);
+        double wall = p->sketch.wall_count > 0 && !outdoors && needs_walls(p, room) ? THIN_WALL : 0;
+        for (int k = 0; k < room->outline.count; k++) {
+            Vec2 *points;
+            int count = solid_one_ring(&room->outline.items[k], &p->scratch, &points);
+            SketchRoom out = {.storey = room->storey,
+                              .point_count = count,
+                              .name = room->name,
+                              .place = ifc_place(p, room->product),
+                              .floor_material = floor,
+                              .ceiling_material = p->ceiling_material,
+                              .z0 = fabs(room->z0 - storey->floor) <= SAME_HEIGHT ? NAN : room->z0,
+                              .z1 = fabs(room->z1 - storey->floor - storey->height) <= SAME_HEIGHT ? NAN
+                                                                                                   : room->z1,
+                              .wall = wall,
+                              .wall_material = p->wall_material,
+                              .open_above = outdoors};
+            out.first_point = add_points(p, points, count, NULL);
+            *ARENA_PUSH(p->arena, s->rooms, s->room_count, s->room_capacity) = out;
+        }
+        add_inner_faces(p, room);
+    }
+}
+
+// ---- walls
+
+// The direction of the longest side, radians.
+static double direction_of(const SolidOutline *o) {
+    double longest = 0, angle = 0;
+    for (int i = 0; i < o->ring[1]; i++) {
+        Vec2 d = vec2_sub(o->points[(i + 1) % o->ring[1]], o->points[i]);
+        if (vec2_length(d) <= longest) continue;
+        longest = vec2_length(d);
+        angle = atan2(d.y, d.x);
+    }
+    return angle;
+}
+
+static void add_wall(IfcPlan *p, int product, const SolidOutline *outline, int storey, double z0, double z1) {
+    Sketch *s = &p->sketch;
+    const IfcProduct *it = &p->model->products[product];
+    Vec2 *points;
+    int count = solid_one_ring(outline, &p->scratch, &points);
+    int *material = ARENA_ARRAY(&p->scratch, int, count);
+    for (int i = 0; i < count; i++) {
+        Vec2 d = vec2_sub(points[(i + 1) % count], points[i]);
+        double length = vec2_length(d);
+        material[i] =
+            length > 0 ? facing_material(p, &it->whole_mesh, vec3(d.y / length, -d.x / length, 0)) : -1;
+        if (material[i] < 0) material[i] = p->wall_material;
+    }
+    SketchWall wall = {.storey = storey,
+                       .point_count = count,
+                       .z0 = z0,
+                       .z1 = z1,
+                       .angle = direction_of(outline),
+                       .place = ifc_place(p, product)};
+    wall.top_material = facing_material(p, &it->whole_mesh, vec3(0, 0, 1));
+    if (wall.top_material < 0) wall.top_material = p->wall_material;
+    wall.first_point = add_points(p, points, count, material);
+    *ARENA_PUSH(p->arena, s->walls, s->wall_count, s->wall_capacity) = wall;
+}
+
+// The part of a wall that stands beyond what the plan has of it: gables, parapets. `from`: the top of the plan's part.
+static void add_above(IfcPlan *p, int product, double from) {
+    const IfcProduct *it = &p->model->products[product];
+    const Plane keep = {{0, 0, 1}, from};
+    bool begun = false;
+    for (int i = 0; i < it->mesh.polygon_count; i++) {
+        const IfcPolygon *polygon = &it->mesh.polygons[i];
+        Vec3 *out = ARENA_ARRAY(&p->scratch, Vec3, polygon->corner_count + 1);
+        int count =
+            polygon_clip(it->mesh.corners + polygon->first_corner, polygon->corner_count, keep, 0, out);
+        if (count < 3) continue;
+        if (!begun) building_add_object(p->arena, p->b, OBJECT_LOW_WALL, ifc_name(p, product));
+        begun = true;
+        building_add_polygon(p->arena, p->b, out, count,
+                             ifc_material(p, polygon->material, p->wall_material));
+    }
+    if (begun && p->b->objects[p->b->object_count - 1].polygon_count == 0) p->b->object_count--;
+}
+
+// A wall that bounds no storey's rooms stays the body that it is: a parapet, a screen, a foundation.
+static void plan_wall(IfcPlan *p, int product) {
+    const Building *b = p->b;
+    const IfcProduct *it = &p->model->products[product];
+    Box box = it->box;
+    for (int i = 0; it->kind == IFC_CURTAIN_WALL && i < p->model->product_count; i++)
+        if (p->model->products[i].whole == product && !box_is_empty(p->model->products[i].box))
+            box = box_union(box, p->model->products[i].box);
+    if (box_is_empty(box)) return;
+    double low = box.min.z, high = box.max.z, reached = -INFINITY;
+    SolidOutlines *all = &p->walls[product];
+    for (int s = 0; s < b->storey_count; s++) {
+        const Storey *storey = &b->storeys[s];
+        double floor = storey->floor, ceiling = floor + storey->height;
+        double share = (fmin(high, ceiling) - fmax(low, floor)) / storey->height;
+        if (share < WALL_SHARE || low > floor + STEP) continue;
+        double top = high > ceiling - CEILING_GAP ? ceiling : high;
+        SolidOutlines parts = cover(p, product, fmax(low, floor) + TRACE, fmin(high, top) - TRACE);
+        for (int i = 0; i < parts.count; i++) {
+            add_wall(p, product, &parts.items[i], s, floor, top);
+            *ARENA_PUSH(&p->scratch, all->items, all->count, all->capacity) = parts.items[i];
+        }
+        reached = fmax(reached, top);
+    }
+    static const double ROOF = 0.15;  // of maps_enclose, above ceilings that nothing stands on
+    if (reached > low && high > reached + ROOF + 0.05 &&
+        ifc_storey_at(p, high) == ifc_storey_at(p, reached - STEP))
+        add_above(p, product, reached + ROOF);
+}
+
+void ifc_plan_walls(IfcPlan *p) {
+    const IfcModel *m = p->model;
+    for (int i = 0; i < m->product_count; i++)
+        if (m->products[i].kind == IFC_WALL || m->products[i].kind == IFC_CURTAIN_WALL) plan_wall(p, i);
+}
+
+// ---- floors
+
+// Metres: how far below or above a floor the top of its slab may lie.
+static const double SLAB_BELOW = 0.4, SLAB_ABOVE = 0.15;
+// Holes in floors: smallest area (metres^2) and mean width (metres); the height in which a person walks on a stair.
+static const double HOLE_AREA = 0.3, HOLE_WIDTH = 0.3, HEADROOM = 2.0;
+// Share of a storey's rooms above which its slabs are complete enough to tell holes.
+static const double SLAB_SHARE = 0.3;
+
+static SolidOutlines slabs_of(IfcPlan *p, double floor) {
+    const IfcModel *m = p->model;
+    SolidOutlines out = {NULL, 0, 0};
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        if (it->kind != IFC_SLAB || box_is_empty(it->box) || it->box.max.z < floor - SLAB_BELOW ||
+            it->box.max.z > floor + SLAB_ABOVE || ifc_is_stair(m, it))
+            continue;
+        double middle = it->box.max.z - fmin(0.05, (it->box.max.z - it->box.min.z) / 2);
+        trace_mesh(p, &it->mesh);
+        SolidOutlines part = solid_cover(p->tracer, middle, middle + MAPS_GRID);
+        for (int k = 0; k < part.count; k++)
+            *ARENA_PUSH(&p->scratch, out.items, out.count, out.capacity) = part.items[k];
+    }
+    return out.count ? solid_union(p->tracer, &out) : out;
+}
+
+static void add_cutouts(IfcPlan *p, int storey, const SolidOutlines *holes, const SolidOutlines *below,
+                        const char *place) {
+    Sketch *s = &p->sketch;
+    for (int i = 0; i < holes->count; i++) {
+        SolidOutlines one = {&holes->items[i], 1, 1};
+        if (one.items->area < HOLE_AREA ||
+            (below && solid_common_area(p->tracer, &one, below) < 0.5 * one.items->area))
+            continue;
+        Vec2 *points;
+        int count = solid_one_ring(one.items, &p->scratch, &points);
+        SketchCutout cutout = {storey, add_points(p, points, count, NULL), count, place};
+        *ARENA_PUSH(p->arena, s->cutouts, s->cutout_count, s->cutout_capacity) = cutout;
+    }
+}
+
+static void append_all(IfcPlan *p, SolidOutlines *to, const SolidOutlines *from) {
+    for (int i = 0; i < from->count; i++)
+        *ARENA_PUSH(&p->scratch, to->items, to->count, to->capacity) = from->items[i];
+}
+
+bool ifc_is_stair(const IfcModel *m, const IfcProduct *it) {
+    if (it->kind == IFC_STAIR || it->kind == IFC_RAMP) return true;
+    bool of_stair = it->whole >= 0 &&
+                    (m->products[it->whole].kind == IFC_STAIR || m->products[it->whole].kind == IFC_RAMP);
+    return it->kind == IFC_SLAB && (of_stair || strcasecmp(it->predefined, "LANDING") == 0);
+}
+
+// The box of a flight with all flights and landings of its stair.
+static Box stair_box(const IfcModel *m, int product) {
+    const IfcProduct *it = &m->products[product];
+    Box box = it->box;
+    for (int i = 0; it->whole >= 0 && i < m->product_count; i++)
+        if (m->products[i].whole == it->whole && ifc_is_stair(m, &m->products[i]) &&
+            !box_is_empty(m->products[i].box))
+            box = box_union(box, m->products[i].box);
+    return box;
+}
+
+// The lowest ceiling of the rooms through which a stair leads, at most `z`.
+static double ceiling_over(const IfcPlan *p, Box stair, double z) {
+    for (int i = 0; i < p->room_count; i++) {
+        const IfcRoom *room = &p->rooms[i];
+        if (room->z0 <= stair.min.z + STEP && room->z1 > stair.min.z + STEP &&
+            box_overlap(p->model->products[room->product].box, stair))
+            z = fmin(z, room->z1);
+    }
+    return z;
+}
+
+// Stairs that lead up to a floor need a hole in it, whether the slab has one or not: over all steps on which a person meets the ceiling.
+static void cut_for_stairs(IfcPlan *p, int storey) {
+    const IfcModel *m = p->model;
+    double floor = p->b->storeys[storey].floor;
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        if (!ifc_is_stair(m, it) || box_is_empty(it->box)) continue;
+        Box stair = stair_box(m, i);
+        if (stair.max.z < floor - STEP || stair.min.z > floor - 1) continue;
+        double from = fmax(ceiling_over(p, stair, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
+        // The last step may be level with the floor, or the floor itself.
+        if (from >= fmin(it->box.max.z, floor - 0.05)) continue;
+        trace_mesh(p, &it->mesh);
+        SolidOutlines steps = solid_cover(p->tracer, from, fmin(it->box.max.z, floor - 0.05));
+        add_cutouts(p, storey, &steps, NULL, ifc_place(p, i));
+    }
+}
+
+static void cut_floors(IfcPlan *p) {
+    for (int s = 1; s < p->b->storey_count; s++) {
+        SolidOutlines rooms = {NULL, 0, 0}, below = {NULL, 0, 0};
+        for (int i = 0; i < p->room_count; i++) {
+            const IfcRoom *room = &p->rooms[i];
+            if (room->storey == s) append_all(p, &rooms, &room->outline);
+            if (room->storey < s && room->z1 > p->b->storeys[s].floor - STOREY_REACH - p->b->storeys[s].slab)
+                append_all(p, &below, &room->outline);
+        }
+        SolidOutlines slabs = slabs_of(p, p->b->storeys[s].floor);
+        if (rooms.count && below.count && slabs.count &&
+            solid_common_area(p->tracer, &rooms, &slabs) >= SLAB_SHARE * area_of(&rooms)) {
+            SolidOutlines holes = solid_difference(p->tracer, &rooms, &slabs, HOLE_WIDTH);
+            add_cutouts(p, s, &holes, &below, "hole in the floor");
+        }
+        cut_for_stairs(p, s);
+    }
+}
+
+// The ground lies at the floor of the storey that has most doors between a space and none; without such doors, at the lowest floor.
+static void find_ground(IfcPlan *p) {
+    int most = 0, best = -1;
+    for (int s = 0; s < p->b->storey_count; s++) {
+        int doors = 0;
+        for (int i = 0; i < p->sketch.opening_count; i++) {
+            const IfcHole *h = &p->holes[i];
+            if (p->sketch.openings[i].kind != OPENING_DOOR || p->sketch.openings[i].storey != s) continue;
+            int sides = 0;
+            for (int side = -1; side <= 1; side += 2) {
+                Vec2 at = vec2_add(h->centre, vec2_scale(h->n, side * (h->depth / 2 + 0.3)));
+                sides += ifc_room_at(p, -1, vec3(at.x, at.y, h->z0 + 1)) >= 0;
+            }
+            doors += sides == 1;
+        }
+        if (doors > most) most = doors, best = s;
+    }
+    p->sketch.ground = p->b->storeys[best < 0 ? 0 : best].floor;
+}
+
+void ifc_plan_floors(IfcPlan *p) {
+    cut_floors(p);
+    find_ground(p);
+}

@@ -301,9 +301,6 @@ static void subtract_from_all(Pieces *pieces, const Vec3 *hole, int hole_count) 
 static int inlay_in_cell(const CellGraph *graph, const Inlay *inlay, const Cell *cell, Pieces *pieces) {
     const Vec2 *points = graph->building->points + inlay->first_point;
     int count = inlay->point_count;
-    Box box = box_empty();
-    for (int i = 0; i < count; i++) box = box_add(box, vec3(points[i].x, points[i].y, inlay->z));
-    if (!box_overlap(box, cell->box)) return 0;
     make_room(pieces, count + cell->edge_count + 1);
     for (int i = 0; i < count; i++) pieces->rest[i] = vec3(points[i].x, points[i].y, inlay->z);
     for (int i = 0; i < cell->edge_count && count > 0; i++) {
@@ -325,7 +322,27 @@ static void add_level_surface(CellBuilder *builder, int cell, Vec3 *v, int count
     add_surface(builder, cell, v, count, material);
 }
 
-static void add_level(CellBuilder *builder, int c, double z, int material, bool floor) {
+// The inlays of a building by their place: a floor or ceiling looks at those that lie over its cell.
+typedef struct InlayTree {
+    BoxTree tree;
+    BoxHits near;
+} InlayTree;
+
+static InlayTree sort_inlays(const CellBuilder *builder) {
+    const Building *b = builder->building;
+    Box *boxes = ARENA_ARRAY(builder->scratch, Box, b->inlay_count);
+    for (int i = 0; i < b->inlay_count; i++) {
+        const Inlay *inlay = &b->inlays[i];
+        boxes[i] = box_empty();
+        for (int k = 0; k < inlay->point_count; k++) {
+            Vec2 p = b->points[inlay->first_point + k];
+            boxes[i] = box_add(boxes[i], vec3(p.x, p.y, inlay->z));
+        }
+    }
+    return (InlayTree){.tree = box_tree_build(boxes, b->inlay_count, builder->scratch)};
+}
+
+static void add_level(CellBuilder *builder, InlayTree *inlays, int c, double z, int material, bool floor) {
     CellGraph *graph = builder->graph;
     const Building *b = builder->building;
     const Cell *cell = &graph->cells[c];
@@ -339,9 +356,11 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
         if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
         subtract_from_all(&pieces, graph->portal_vertices + portal->first_vertex, portal->vertex_count);
     }
-    for (int i = 0; i < b->inlay_count && material >= 0; i++) {
-        const Inlay *inlay = &b->inlays[i];
-        if (inlay->z != z) continue;
+    Box level = cell->box;
+    level.min.z = level.max.z = z;
+    int found = material >= 0 ? box_tree_find(&inlays->tree, level, builder->scratch, &inlays->near) : 0;
+    for (int i = 0; i < found; i++) {
+        const Inlay *inlay = &b->inlays[inlays->near.items[i]];
         int count = inlay_in_cell(graph, inlay, cell, &pieces);
         if (count == 0) continue;
         Vec3 *part = memcpy(ARENA_ARRAY(&scratch, Vec3, count), pieces.rest, (size_t)count * sizeof *part);
@@ -521,12 +540,13 @@ void build_surfaces(CellBuilder *builder) {
     copy_building(builder);
     int first_polygon = graph->polygon_count;
     graph->surface_first = ARENA_ARRAY(builder->arena, int, graph->cell_count + 1);
+    InlayTree inlays = sort_inlays(builder);
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = &builder->building->regions[graph->cells[c].region];
         graph->surface_first[c] = graph->object_count;
         add_walls(builder, c);
-        add_level(builder, c, graph->cells[c].z0, region->floor_material, true);
-        add_level(builder, c, graph->cells[c].z1, region->ceiling_material, false);
+        add_level(builder, &inlays, c, graph->cells[c].z0, region->floor_material, true);
+        add_level(builder, &inlays, c, graph->cells[c].z1, region->ceiling_material, false);
     }
     graph->surface_first[graph->cell_count] = graph->object_count;
     add_plugs(builder);

@@ -17,8 +17,9 @@ static const double T_VERTEX = 1e-7;
 
 static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *name) {
     CellGraph *graph = builder->graph;
-    Object *object =
-        ARENA_PUSH(builder->arena, graph->objects, graph->object_count, builder->object_capacity);
+    graph->objects = arena_regrow(builder->arena, graph->objects, sizeof *graph->objects, graph->object_count,
+                                  graph->object_count + 1, &builder->object_capacity);
+    Object *object = &graph->objects[graph->object_count++];
     *object = (Object){
         .kind = kind, .name = name, .first_polygon = graph->polygon_count, .opening = -1, .leaf = -1};
     return object;
@@ -26,11 +27,13 @@ static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *nam
 
 static void add_graph_polygon(CellBuilder *builder, const Vec3 *vertices, int count, int material) {
     CellGraph *graph = builder->graph;
-    Polygon *polygon =
-        ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity);
-    *polygon = (Polygon){graph->vertex_count, count, material, 0};
-    graph->vertices = arena_room(builder->arena, graph->vertices, sizeof *graph->vertices,
-                                 graph->vertex_count, graph->vertex_count + count, &builder->vertex_capacity);
+    graph->polygons =
+        arena_regrow(builder->arena, graph->polygons, sizeof *graph->polygons, graph->polygon_count,
+                     graph->polygon_count + 1, &builder->polygon_capacity);
+    graph->polygons[graph->polygon_count++] = (Polygon){graph->vertex_count, count, material, 0};
+    graph->vertices =
+        arena_regrow(builder->arena, graph->vertices, sizeof *graph->vertices, graph->vertex_count,
+                     graph->vertex_count + count, &builder->vertex_capacity);
     memcpy(graph->vertices + graph->vertex_count, vertices, (size_t)count * sizeof *vertices);
     graph->vertex_count += count;
     graph->objects[graph->object_count - 1].polygon_count++;

@@ -18,7 +18,7 @@ static bool find_pairs(const CellGraph *graph, const VisPrepareOptions *options,
                        Arena *arena, CampusPairs *out) {
     PairOptions pairs = {.threads = options->vis.threads};
     memory_set_stage("finding which cells see each other");
-    bool many = graph->cell_count > VIS_MANY_CELLS, rooms = graph->building->form == FORM_REGIONS;
+    bool many = graph->cell_count > VIS_MANY_CELLS, rooms = graph->building->form == FORM_REGIONS && !graph->building->map;
     if ((many || (rooms && graph->cell_count > WINDOW_LEAST)) &&
         campus_pairs(graph, &pairs, progress, arena, out))
         return true;

@@ -121,9 +121,9 @@ $(dir)/flags: FORCE
 build/glad/include/glad/gl.h: | check-packages
 	glad --quiet --reproducible --api gl:core=3.3 --out-path build/glad c --loader
 
-build/generate: maps/buildings/generate.c
+build/generate: maps/buildings/generate.c maps/buildings/campus.c maps/buildings/campus.h
 	@mkdir -p $(@D)
-	$(CC) -std=c17 -O2 $(strict) -ffp-contract=off -I. -o $@ $< -lm
+	$(CC) -std=c17 -O2 $(strict) -ffp-contract=off -I. -o $@ $(filter %.c,$^) -lm
 define generate
 @mkdir -p $(@D)
 build/generate $(basename $(@F)) 1 > $@.new && mv $@.new $@
@@ -132,7 +132,8 @@ build/maps/office%plan: build/generate
 	$(generate)
 build/maps/rooms-%.plan: build/generate
 	$(generate)
-build/maps/enfilade-%.plan: build/generate
+build/maps/enfilade-%.plan build/maps/campus-%.plan build/maps/corridor-%.plan build/maps/atrium-%.plan build/maps/glass-%.plan: \
+        build/generate
 	$(generate)
 build/maps/%: maps/buildings/%
 	@mkdir -p $(@D)

@@ -1,42 +1,65 @@
-// cell_rows.h - a set of cells for each cell: bits in blocks, of which empty and full ones take no room.
+// cell_rows.h - a set of cells for each cell: of each row only the stretches of words in which there are cells.
 //
-// A cell of a large building sees few others, and where nothing is known it may see all: neither costs more than a pointer
-// a block.
+// A cell of a large building sees few others, and where nothing is known it may see all. The first takes room for what it sees, the
+// second next to none: of words whose bits are all set only their number is kept.
 #ifndef VISIBILITY_CELL_ROWS_H
 #define VISIBILITY_CELL_ROWS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "engine/core/arena.h"
 
-enum { CELL_BLOCK_WORDS = 8, CELL_BLOCK = 64 * CELL_BLOCK_WORDS };
+// Words `first` and on of a row.
+typedef struct CellRun {
+    int first, count;
+    const uint64_t *words;  // [count]; NULL: all bits are set
+} CellRun;
 
-// Read only once it is made: any number of threads. The blocks live in the arena of the call that made them.
+typedef struct CellRow {
+    const CellRun *runs;  // [count] ascending, apart from each other
+    int count;
+} CellRow;
+
+// Read only once it is made: any number of threads. What the rows hold lies in the arenas of the calls that set them.
 typedef struct CellRows {
-    // [cell_count * blocks] cells CELL_BLOCK * k and on of row i: CELL_BLOCK_WORDS words, shared or of this row alone
-    const uint64_t **block;
-    int cell_count, blocks;  // blocks of a row
+    CellRow *row;           // [cell_count]
+    int cell_count, words;  // words of a row as an array: (cell_count + 63) / 64
 } CellRows;
-
-// Block k of the row of a cell: CELL_BLOCK_WORDS words.
-static inline const uint64_t *cell_rows_block(const CellRows *rows, int cell, int k) {
-    return rows->block[(size_t)cell * (size_t)rows->blocks + (size_t)k];
-}
 
 // Is `other` in the row of `cell`?
 static inline bool cell_rows_has(const CellRows *rows, int cell, int other) {
-    const uint64_t *block = cell_rows_block(rows, cell, other / CELL_BLOCK);
-    return block[other / 64 % CELL_BLOCK_WORDS] >> (other % 64) & 1;
+    CellRow row = rows->row[cell];
+    int low = 0, high = row.count, word = other / 64;  // runs before `low` begin at the word or before it
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (row.runs[middle].first <= word) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    if (low == 0) return false;
+    const CellRun *run = &row.runs[low - 1];
+    if (word >= run->first + run->count) return false;
+    return !run->words || (run->words[word - run->first] >> (other % 64) & 1);
 }
 
 // All empty.
 CellRows cell_rows_new(int cell_count, Arena *arena);
-// One row from the array `row` [(cell_count + 63) / 64]; blocks of its own lie in `arena`.
+// From a matrix of bits [cell_count * words].
+CellRows cell_rows_of_matrix(const uint64_t *matrix, int cell_count, Arena *arena);
+// One row, from the array `row` [words] or from a list of cells, ascending.
 void cell_rows_set(CellRows *rows, int cell, const uint64_t *row, Arena *arena);
-// Adds a row to the array `row` [(cell_count + 63) / 64].
+void cell_rows_set_list(CellRows *rows, int cell, const int *list, int count, Arena *arena);
+// Adds a row to the array `row` [words], or takes it from there.
 void cell_rows_join(const CellRows *rows, int cell, uint64_t *row);
-// Removes from a row the cells that the array lacks; returns whether there was any.
+void cell_rows_clear(const CellRows *rows, int cell, uint64_t *row);
+// Writes the cells of a row, ascending; returns how many. `out` has room for cell_rows_size.
+int cell_rows_list(const CellRows *rows, int cell, int *out);
+int cell_rows_size(const CellRows *rows, int cell);
+// Removes from a row the cells that the array [words] lacks; returns whether there was any.
 bool cell_rows_keep(CellRows *rows, int cell, const uint64_t *row, Arena *arena);
 // Takes from each row the cells whose rows lack its cell.
 void cell_rows_make_symmetric(CellRows *rows, Arena *arena);
@@ -45,8 +68,11 @@ CellRows cell_rows_copy(const CellRows *rows, Arena *arena);
 bool cell_rows_equal(const CellRows *a, const CellRows *b);
 long long cell_rows_count(const CellRows *rows);  // of all bits
 
-// Is it one of the two blocks that rows share?
-bool cell_block_is_empty(const uint64_t *block);
-bool cell_block_is_full(const uint64_t *block);
+// For files: the rows as bytes, one after the other.
+size_t cell_rows_packed_size(const CellRows *rows);
+void cell_rows_pack(const CellRows *rows, unsigned char *out);
+// How many of `size` bytes are the packed rows of so many cells; 0: they are none. Does not look at the bits.
+size_t cell_rows_measure(const unsigned char *packed, size_t size, int cell_count);
+CellRows cell_rows_unpack(const unsigned char *packed, int cell_count, Arena *arena);
 
 #endif

@@ -98,9 +98,8 @@ typedef struct VisOptions {
     double square;  // side of the squares of a cell, metres, 0.25 .. 100
     int threads;    // 0: all cores
     int max_nodes;  // of one cell's stab tree; beyond it the tree is dropped and the visible set kept
-    // [cell_count * words] bit j of row i: cells i and j may see each other, symmetric (see pairs.h); NULL: not known
-    // beforehand.
-    const uint64_t *known;
+    // The cells that each cell may see, itself among them, symmetric (see pairs.h); NULL: not known beforehand.
+    const CellRows *known;
 } VisOptions;
 // Squares of 1 m, all cores, trees of 5,000 nodes at most.
 VisOptions vis_default_options(void);

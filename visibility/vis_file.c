@@ -39,110 +39,56 @@ typedef struct Sizes {
     size_t root, bounded, seen, nodes, total;
 } Sizes;
 
-// Up to VIS_MANY_CELLS cells, visible sets are stored bit by bit (`words` a row). Those of more are stored as the place of each block
-// of each row (CellRows), and the blocks: `words` is 0 then.
-enum { EMPTY_BLOCK = -1, FULL_BLOCK = -2 };
-static const size_t BLOCK = CELL_BLOCK_WORDS * sizeof(uint64_t);
+// Up to VIS_BITS cells, visible sets are stored bit by bit (`words` a row). Those of more are stored packed (CellRows): `words` is 0 then.
+enum { VIS_BITS = 8192 };
 
-static int words_of(int cells) { return cells > VIS_MANY_CELLS ? 0 : (cells + 63) / 64; }
+static int words_of(int cells) { return cells > VIS_BITS ? 0 : (cells + 63) / 64; }
 
-static size_t place_count(int cells) {
-    return (size_t)cells * (((size_t)cells + CELL_BLOCK - 1) / CELL_BLOCK);
-}
-
-// `blocks`: of visible sets, where these are stored in blocks.
-static Sizes sizes_of(int cells, int nodes, size_t blocks) {
+// `packed`: bytes of visible sets that are stored so.
+static Sizes sizes_of(int cells, int nodes, size_t packed) {
     Sizes s = {.root = ((size_t)cells + 1) * sizeof(int32_t),
                .bounded = (size_t)cells,
-               .seen = words_of(cells) ? (size_t)cells * (size_t)words_of(cells) * sizeof(uint64_t)
-                                       : place_count(cells) * sizeof(int32_t) + blocks * BLOCK,
+               .seen = words_of(cells) ? (size_t)cells * (size_t)words_of(cells) * sizeof(uint64_t) : packed,
                .nodes = (size_t)nodes * sizeof(StabNode)};
     s.total = s.root + s.bounded + s.seen + s.nodes;
     return s;
 }
 
-// Where a row's block is stored: its number among those that are its row's own.
-static int32_t block_place(const uint64_t *block, int32_t next) {
-    return cell_block_is_empty(block) ? EMPTY_BLOCK : cell_block_is_full(block) ? FULL_BLOCK : next;
-}
-
-static int32_t own_blocks(const CellRows *seen) {
-    int32_t count = 0;
-    for (size_t i = 0; i < place_count(seen->cell_count); i++)
-        count += block_place(seen->block[i], count) == count;
-    return count;
-}
-
-static void put_blocks(const CellRows *seen, unsigned char *at) {
-    size_t places = place_count(seen->cell_count);
-    unsigned char *blocks = at + places * sizeof(int32_t);
-    int32_t next = 0;
-    for (size_t i = 0; i < places; i++) {
-        int32_t place = block_place(seen->block[i], next);
-        memcpy(at + i * sizeof place, &place, sizeof place);
-        if (place == next) memcpy(blocks + BLOCK * (size_t)next++, seen->block[i], BLOCK);
-    }
-}
-
-// How many blocks of their own the places name, in order; -1 where they do not.
-static int32_t count_places(const unsigned char *at, int cells) {
-    int32_t next = 0;
-    for (size_t i = 0; i < place_count(cells); i++) {
-        int32_t place;
-        memcpy(&place, at + i * sizeof place, sizeof place);
-        if (place == next) {
-            next++;
-        } else if (place != EMPTY_BLOCK && place != FULL_BLOCK) {
-            return -1;
-        }
-    }
-    return next;
-}
-
 static void put_seen(const StabForest *forest, unsigned char *at) {
-    size_t row = (size_t)words_of(forest->cell_count) * sizeof(uint64_t);
-    if (!row) {
-        put_blocks(&forest->seen, at);
+    size_t words = (size_t)words_of(forest->cell_count);
+    if (words == 0) {
+        cell_rows_pack(&forest->seen, at);
         return;
     }
-    for (int c = 0; c < forest->cell_count; c++, at += row) {
-        for (int k = 0; k < forest->seen.blocks; k++) {
-            size_t left = row - (size_t)k * BLOCK;
-            memcpy(at + (size_t)k * BLOCK, cell_rows_block(&forest->seen, c, k), left < BLOCK ? left : BLOCK);
-        }
+    uint64_t *row = memory_new(words * sizeof *row);
+    for (int c = 0; c < forest->cell_count; c++, at += words * sizeof *row) {
+        memset(row, 0, words * sizeof *row);
+        cell_rows_join(&forest->seen, c, row);
+        memcpy(at, row, words * sizeof *row);
     }
+    memory_free(row);
 }
 
 // Bits beyond the last cell, which no row has, are dropped.
-static void get_row(StabForest *forest, int cell, uint64_t *row, Arena *arena) {
-    if (forest->cell_count % 64) row[forest->words - 1] &= ((uint64_t)1 << (forest->cell_count % 64)) - 1;
-    cell_rows_set(&forest->seen, cell, row, arena);
-}
-
 static void get_seen(const unsigned char *at, StabForest *forest, Arena *arena) {
-    size_t size = (size_t)words_of(forest->cell_count) * sizeof(uint64_t);
-    const unsigned char *blocks = at + place_count(forest->cell_count) * sizeof(int32_t);
-    Arena scratch = {0};
-    int in_row = (forest->cell_count + CELL_BLOCK - 1) / CELL_BLOCK;
-    uint64_t *row = ARENA_ARRAY(&scratch, uint64_t, in_row * CELL_BLOCK_WORDS);
-    forest->seen = cell_rows_new(forest->cell_count, arena);
-    for (int c = 0; c < forest->cell_count; c++, at += size) {
-        if (size) memcpy(row, at, size);
-        for (int k = 0; k < in_row && !size; k++, at += sizeof(int32_t)) {
-            uint64_t *block = row + k * CELL_BLOCK_WORDS;
-            int32_t place;
-            memcpy(&place, at, sizeof place);
-            memset(block, place == FULL_BLOCK ? 0xff : 0, BLOCK);
-            if (place >= 0) memcpy(block, blocks + (size_t)place * BLOCK, BLOCK);
-        }
-        get_row(forest, c, row, arena);
+    size_t words = (size_t)words_of(forest->cell_count);
+    if (words == 0) {
+        forest->seen = cell_rows_unpack(at, forest->cell_count, arena);
+        return;
     }
-    arena_free(&scratch);
+    uint64_t *row = memory_new(words * sizeof *row);
+    forest->seen = cell_rows_new(forest->cell_count, arena);
+    for (int c = 0; c < forest->cell_count; c++, at += words * sizeof *row) {
+        memcpy(row, at, words * sizeof *row);
+        if (forest->cell_count % 64) row[words - 1] &= ((uint64_t)1 << (forest->cell_count % 64)) - 1;
+        cell_rows_set(&forest->seen, c, row, arena);
+    }
+    memory_free(row);
 }
 
 bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error) {
     int cells = forest->cell_count;
-    Sizes s = sizes_of(cells, forest->node_count, words_of(cells) ? 0 : (size_t)own_blocks(&forest->seen));
+    Sizes s = sizes_of(cells, forest->node_count, words_of(cells) ? 0 : cell_rows_packed_size(&forest->seen));
     unsigned char *file = derived_new(path, &KIND, s.total, error);
     if (!file) return false;
     Header header = {.cell_count = cells,
@@ -187,15 +133,14 @@ static bool check_nodes(const StabForest *f, int portal_count) {
     return true;
 }
 
-// The sizes that the header tells, and of sets in blocks their places; false where the file is too short for these.
+// The sizes that the header tells, and of packed sets those that they tell; false where these are broken.
 static bool sizes_in(const Header *h, Bytes file, Sizes *out) {
     *out = sizes_of(h->cell_count, h->node_count, 0);
     if (words_of(h->cell_count)) return true;
     size_t at = sizeof *h + out->root + out->bounded;
-    if (file.size < at + out->seen) return false;
-    int32_t blocks = count_places(file.data + at, h->cell_count);
-    if (blocks >= 0) *out = sizes_of(h->cell_count, h->node_count, (size_t)blocks);
-    return blocks >= 0;
+    size_t packed = file.size > at ? cell_rows_measure(file.data + at, file.size - at, h->cell_count) : 0;
+    *out = sizes_of(h->cell_count, h->node_count, packed);
+    return packed > 0;
 }
 
 bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest *out, Error *error) {

@@ -29,6 +29,8 @@ static void allow(const void *from, size_t size) { (void)from, (void)size; }
 
 static const size_t FIRST_BLOCK = 64 * 1024;
 static const size_t LARGEST_GROWTH = 64 * 1024 * 1024;
+// Pieces from this size on have blocks of their own.
+static const size_t LARGE_PIECE = GAP ? 0 : 1024 * 1024;
 
 struct ArenaBlock {
     ArenaBlock *next;
@@ -38,19 +40,31 @@ struct ArenaBlock {
 
 static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 
+static ArenaBlock *new_arena_block(size_t size) {
+    size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    char *whole = memory_new_zeroed(ALIGNMENT + HEADER + size);
+    ArenaBlock *block = (ArenaBlock *)(whole + (ALIGNMENT - (uintptr_t)whole % ALIGNMENT));
+    *block = (ArenaBlock){.whole = whole, .size = size};
+    forbid((char *)block + HEADER, size);
+    return block;
+}
+
 static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
     size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
     if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
     // Close to the memory limit, no block is much larger than needed.
     while (size / 2 > least && !memory_fits(size)) size /= 2;
-    if (size < least) size = least;
-    size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    char *whole = memory_new_zeroed(ALIGNMENT + HEADER + size);
-    ArenaBlock *block = (ArenaBlock *)(whole + (ALIGNMENT - (uintptr_t)whole % ALIGNMENT));
-    *block = (ArenaBlock){.next = arena->head, .whole = whole, .size = size};
-    forbid((char *)block + HEADER, size);
-    arena->head = block;
-    return block;
+    ArenaBlock *block = new_arena_block(size < least ? least : size);
+    block->next = arena->head;
+    return arena->head = block;
+}
+
+// A block for one large piece stands behind the first one, which goes on to be filled.
+static ArenaBlock *add_own_block(Arena *arena, size_t bytes) {
+    if (!arena->head) return add_arena_block(arena, bytes);
+    ArenaBlock *block = new_arena_block(bytes);
+    block->next = arena->head->next;
+    return arena->head->next = block;
 }
 
 void *arena_alloc(Arena *arena, size_t count, size_t size) {
@@ -58,7 +72,8 @@ void *arena_alloc(Arena *arena, size_t count, size_t size) {
     size_t asked = count * size, bytes = (asked + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
     if (bytes == 0) bytes = ALIGNMENT;
     ArenaBlock *block = arena->head;
-    if (!block || block->size - block->used < bytes) block = add_arena_block(arena, bytes);
+    if (!block || block->size - block->used < bytes)
+        block = bytes < LARGE_PIECE ? add_arena_block(arena, bytes) : add_own_block(arena, bytes);
     char *memory = (char *)block + HEADER + block->used;
     size_t dirty = block->dirty > block->used ? block->dirty - block->used : 0;
     block->used += bytes;
@@ -88,6 +103,27 @@ void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, i
     void *larger = arena_alloc(arena, (size_t)room, size);
     if (used > 0) memcpy(larger, array, (size_t)used * size);
     *capacity = room;
+    return larger;
+}
+
+// Frees a block that holds nothing but this piece.
+static void give_back(Arena *arena, const void *piece, size_t bytes) {
+    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
+    for (ArenaBlock **at = &arena->head; *at; at = &(*at)->next) {
+        ArenaBlock *block = *at;
+        if ((const char *)piece != (char *)block + HEADER) continue;
+        if (block->used != bytes) return;
+        *at = block->next;
+        arena->used -= bytes;
+        memory_free(block->whole);
+        return;
+    }
+}
+
+void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
+    size_t before = (size_t)*capacity * size;
+    void *larger = arena_room(arena, array, size, used, needed, capacity);
+    if (larger != array && array && before >= LARGE_PIECE) give_back(arena, array, before);
     return larger;
 }
 

@@ -64,10 +64,11 @@ int building_add_texture_map(Arena *arena, Building *b, TextureMap map) {
 static void push_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material,
                          int texture_map) {
     CORE_ASSERT(b->object_count > 0);
-    Polygon *p = ARENA_PUSH(arena, b->polygons, b->polygon_count, b->polygon_capacity);
-    *p = (Polygon){b->vertex_count, count, material, texture_map};
-    b->vertices = arena_room(arena, b->vertices, sizeof *b->vertices, b->vertex_count,
-                             b->vertex_count + count, &b->vertex_capacity);
+    b->polygons = arena_regrow(arena, b->polygons, sizeof *b->polygons, b->polygon_count,
+                               b->polygon_count + 1, &b->polygon_capacity);
+    b->polygons[b->polygon_count++] = (Polygon){b->vertex_count, count, material, texture_map};
+    b->vertices = arena_regrow(arena, b->vertices, sizeof *b->vertices, b->vertex_count,
+                               b->vertex_count + count, &b->vertex_capacity);
     memcpy(b->vertices + b->vertex_count, vertices, (size_t)count * sizeof *vertices);
     b->vertex_count += count;
     b->objects[b->object_count - 1].polygon_count++;

@@ -2,9 +2,10 @@
 //   generate office SEED         72 furnished rooms along corridors, about 16,700 polygons, as in the office of
 //                                Shudo, Murata & Matsuyama; doors, some windows; differs with the seed
 //   generate office-plain SEED   6 x 11 equal rooms of 4 x 4 m, 7,454 polygons; the same for every seed
-//   generate enfilade-N SEED     N rooms of that kind in a square, 1 to 10000, their doorways in line: one sees through all
+//   generate enfilade-N SEED     N rooms of that kind in a square, 1 to 100000, their doorways in line: one sees through all
 //                                of a row
 //   generate rooms-N SEED        the same with doorways anywhere along their walls: one sees a few rooms; differs with the seed
+//   generate campus-N SEED, corridor-N, atrium-N, glass-N: see campus.h
 // The same seed gives the same text on every machine: all coordinates are whole millimetres held in integers.
 #include <errno.h>
 #include <math.h>
@@ -14,6 +15,7 @@
 #include <string.h>
 
 #include "engine/core/random.h"
+#include "maps/buildings/campus.h"
 
 // ---- models; polygons are counted as they are written
 
@@ -520,9 +522,13 @@ int main(int argc, char **argv) {
     int count = 0, end = 0;
     bool in_line = argc == 3 && sscanf(argv[1], "enfilade-%d%n", &count, &end) == 1 && !argv[1][end];
     bool many = in_line || (argc == 3 && sscanf(argv[1], "rooms-%d%n", &count, &end) == 1 && !argv[1][end]);
-    if (many && (count < 1 || count > 10000)) many = false;
-    if ((!plain && !full && !many) || *rest || errno || argv[2][0] == '-' || !argv[2][0]) {
-        fprintf(stderr, "usage: generate office|office-plain|rooms-N|enfilade-N SEED (a whole number)\n");
+    if (many && (count < 1 || count > 100000)) many = false;
+    bool good = argc == 3 && !*rest && !errno && argv[2][0] != '-' && argv[2][0];
+    bool large = good && !plain && !full && !many && campus_write(argv[1], seed);
+    if (!good || (!plain && !full && !many && !large)) {
+        fprintf(stderr, "usage: generate "
+                        "office|office-plain|rooms-N|enfilade-N|campus-N|corridor-N|atrium-N|glass-N SEED "
+                        "(whole numbers; N up to 100000)\n");
         return 2;
     }
     if (plain) office_plain();

@@ -112,8 +112,12 @@ bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error)
                        .share = share,
                        .wall_low = low,
                        .settled = settled};
-        // Arrays only grow: restoring the earlier counts takes back the elements appended since.
+        // Arrays only grow: restoring the earlier counts takes back the elements appended since. Of polygons and vertices the memory of
+        // outgrown arrays is gone.
+        Building grown = *b;
         *b = before;
+        b->polygons = grown.polygons, b->polygon_capacity = grown.polygon_capacity;
+        b->vertices = grown.vertices, b->vertex_capacity = grown.vertex_capacity;
         if (attempt(&e)) return true;
         if (!e.too_many && !e.changed) return false;
         settled = settled || e.changed;

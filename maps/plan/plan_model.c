@@ -686,7 +686,9 @@ static void stand_shapes(Arena *arena, const Building *models, int model, const 
 
 static bool stand_polygon(PlanLine *line, Arena *arena, const Building *models, const Polygon *p,
                           const PlanTurn *turn, Building *b) {
-    Vec3 *corner = ARENA_ARRAY(arena, Vec3, p->vertex_count);
+    // The arena keeps what it is asked for: of furniture in thousands of rooms as much as the building itself.
+    enum { FEW = 32 };
+    Vec3 few[FEW], *corner = p->vertex_count <= FEW ? few : ARENA_ARRAY(arena, Vec3, p->vertex_count);
     for (int k = 0; k < p->vertex_count; k++) {
         int from = turn->stand.mirror ? p->vertex_count - 1 - k : k;
         Vec3 v = turn_point(turn, models->vertices[p->first_vertex + from]);
@@ -719,14 +721,15 @@ bool plan_stand_model(PlanLine *line, Arena *arena, const Building *models, int 
     const Object *shape = &models->objects[model];
     PlanTurn turn = {.stand = stand};
     turn_by(stand.angle, &turn.cosine, &turn.sine);
-    int *placed = ARENA_ARRAY(arena, int, shape->polygon_count + 1);
+    // Where each polygon of the model went, for curved shapes, which are tessellated.
+    int *placed = models->shape_count > 0 ? ARENA_ARRAY(arena, int, shape->polygon_count + 1) : NULL;
     int object = building_add_object(arena, b, shape->kind, name);
     for (int i = 0; i < shape->polygon_count; i++) {
         const Polygon *p = &models->polygons[shape->first_polygon + i];
-        placed[i] = b->polygon_count;
+        if (placed) placed[i] = b->polygon_count;
         if (!stand_polygon(line, arena, models, p, &turn, b)) return false;
     }
-    placed[shape->polygon_count] = b->polygon_count;
+    if (placed) placed[shape->polygon_count] = b->polygon_count;
     stand_shapes(arena, models, model, &turn, placed, b);
     building_set_proxy(b, stand.angle);
     for (int i = 0; i < models->light_count; i++) {

@@ -68,18 +68,10 @@ static void add_lamps(uint64_t *to, const uint64_t *from, size_t words) {
 static void set_lamp(uint64_t *set, int lamp) { set[lamp / 64] |= (uint64_t)1 << lamp % 64; }
 
 // Adds the lamps in a cell to the sets of all cells that it may see. Sight is symmetric.
-static void tell_cells(const CellRows *rows, int cell, const uint64_t *inside, size_t words,
-                       uint64_t *before) {
-    for (int k = 0; k < rows->blocks; k++) {
-        const uint64_t *block = cell_rows_block(rows, cell, k);
-        if (cell_block_is_empty(block)) continue;
-        for (int w = 0; w < CELL_BLOCK_WORDS; w++) {
-            for (uint64_t left = block[w]; left; left &= left - 1) {
-                int other = k * CELL_BLOCK + 64 * w + __builtin_ctzll(left);
-                if (other < rows->cell_count) add_lamps(before + (size_t)other * words, inside, words);
-            }
-        }
-    }
+static void tell_cells(const CellRows *rows, int cell, const uint64_t *inside, size_t words, uint64_t *before,
+                       int *list) {
+    for (int i = 0, count = cell_rows_list(rows, cell, list); i < count; i++)
+        add_lamps(before + (size_t)list[i] * words, inside, words);
 }
 
 // For each cell the lamps that it may see, [cell_count * words].
@@ -90,6 +82,7 @@ static uint64_t *seen_from_cells(const LampWays *ways, const StabForest *forest,
     uint64_t *before = ARENA_ARRAY(arena, uint64_t, cells * words + 1);
     uint64_t *nowhere = ARENA_ARRAY(arena, uint64_t, words + 1);
     bool *lit = ARENA_ARRAY(arena, bool, cells + 1);
+    int *list = ARENA_ARRAY(arena, int, cells + 1);
     for (int i = 0; i < ways->lamp_count; i++) {
         ObjectCells of = ways->cells_of[ways->lamp[i]];
         if (of.first == of.end) set_lamp(nowhere, i);
@@ -99,7 +92,7 @@ static uint64_t *seen_from_cells(const LampWays *ways, const StabForest *forest,
         }
     }
     for (int k = 0; k < graph->cell_count; k++)
-        if (lit[k]) tell_cells(&forest->seen, k, inside + (size_t)k * words, words, before);
+        if (lit[k]) tell_cells(&forest->seen, k, inside + (size_t)k * words, words, before, list);
     for (size_t c = 0; c < cells; c++) add_lamps(before + c * words, nowhere, words);
     return before;
 }

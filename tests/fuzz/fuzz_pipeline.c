@@ -131,7 +131,8 @@ static void find_trees(Scene *s, const VisOptions *options) {
     pair_method_finest()->find(&s->graph, &pairs, NULL, s->arena, &set);
     for (int c = 0; c < s->graph.cell_count; c++)
         demand(pair_bit(set.seen, set.words, c, c), "a cell sees itself");
-    vis.known = set.seen;
+    CellRows known = cell_rows_of_matrix(set.seen, set.cell_count, s->arena);
+    vis.known = &known;
     demand(vis_build_forest(&s->graph, &vis, NULL, s->arena, &s->forest), "trees");
 }
 

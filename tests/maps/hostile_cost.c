@@ -94,7 +94,8 @@ static void open_building(const char *path) {
     PairOptions pairs = {.threads = 1};
     pair_method_finest()->find(&graph, &pairs, NULL, &scratch, &set);
     cost.edges[2] = stage();
-    options.known = set.seen;
+    CellRows known = cell_rows_of_matrix(set.seen, set.cell_count, &scratch);
+    options.known = &known;
     vis_build_forest(&graph, &options, NULL, &arena, &forest);
     cost.edges[3] = stage();
     int bounded = 0;

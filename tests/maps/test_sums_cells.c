@@ -98,7 +98,8 @@ static void see(const Building *b, Arena *arena, Seen *out) {
     options.threads = 1;
     cr_assert(vis_build_cells(b, &options, arena, &out->graph, &error), "%s", error.text);
     pair_method_finest()->find(&out->graph, &(PairOptions){.threads = 1}, NULL, arena, &out->pairs);
-    options.known = out->pairs.seen;
+    CellRows known = cell_rows_of_matrix(out->pairs.seen, out->pairs.cell_count, arena);
+    options.known = &known;
     cr_assert(vis_build_forest(&out->graph, &options, NULL, arena, &out->forest));
 }
 

@@ -12,7 +12,7 @@
 
 // ---- large buildings
 
-enum { ROW_CELLS = 3 * CELL_BLOCK - 100, ROW_WORDS = (ROW_CELLS + 63) / 64 };
+enum { STRETCH = 512, ROW_CELLS = 3 * STRETCH - 100, ROW_WORDS = (ROW_CELLS + 63) / 64 };
 
 static bool dense_has(const uint64_t *rows, int i, int j) {
     return rows[(size_t)i * ROW_WORDS + (size_t)j / 64] >> (j % 64) & 1;
@@ -30,8 +30,8 @@ static void same_rows(const CellRows *rows, const uint64_t *dense, const char *w
     cr_assert_eq(cell_rows_count(rows), count, "%s: the count", when);
 }
 
-// Proves that sparse sets are the sets of a matrix of bits through all that is done with them. Rows of the first block hold all
-// cells but a few, so that full blocks face full ones and ones with gaps; others hold few cells or none.
+// Proves that sparse sets are the sets of a matrix of bits through all that is done with them. The first rows hold all
+// cells but a few, so that full stretches face full ones and ones with gaps; others hold few cells or none.
 Test(cell_rows, hold_what_a_matrix_holds) {
     Arena arena = {0};
     Random random = {11};
@@ -40,9 +40,9 @@ Test(cell_rows, hold_what_a_matrix_holds) {
              *kept = ARENA_ARRAY(&arena, uint64_t, ROW_WORDS);
     for (int i = 0; i < ROW_CELLS; i++) {
         uint64_t *row = dense + (size_t)i * ROW_WORDS;
-        bool full = i < CELL_BLOCK || i % 7 == 0;
+        bool full = i < STRETCH || i % 7 == 0;
         for (int j = 0; j < ROW_CELLS; j++) {
-            bool gap = j % CELL_BLOCK == 5 && i % 90 == 3;
+            bool gap = j % STRETCH == 5 && i % 90 == 3;
             if (full ? !gap : random_index(&random, 900) == 0) row[j / 64] |= (uint64_t)1 << (j % 64);
         }
         cell_rows_set(&rows, i, row, &arena);
@@ -60,7 +60,7 @@ Test(cell_rows, hold_what_a_matrix_holds) {
     }
     same_rows(&rows, dense, "kept");
     cr_assert_not(cell_rows_equal(&rows, &copy));
-    // Grows trees of the copy, whose blocks are full still.
+    // First of the copy, whose stretches are full still.
     for (int turn = 0; turn < 2; turn++) {
         CellRows *one = turn ? &rows : &copy;
         uint64_t *both = ARENA_ARRAY(&arena, uint64_t, ROW_CELLS * ROW_WORDS);

@@ -12,7 +12,11 @@
 void trees_grow(Grown *g, int threads, bool known) {
     VisOptions options = vis_default_options();
     options.threads = threads;
-    options.known = known ? g->set.seen : NULL;
+    CellRows rows;
+    if (known) {
+        rows = cell_rows_of_matrix(g->set.seen, g->set.cell_count, &g->arena);
+        options.known = &rows;
+    }
     cr_assert(vis_build_forest(&g->graph, &options, NULL, &g->arena, &g->forest));
 }
 

@@ -57,21 +57,48 @@ static void add_cell(CellBuilder *builder, int region_index, const int *vertex, 
     graph->box = box_union(graph->box, cell->box);
 }
 
-// A piece with very many vertices (a round room) becomes several, as a fan of chords from its first vertex.
-static void add_cell_piece(CellBuilder *builder, int region, const int *vertex, int count, int *capacity) {
-    enum { MOST = BUILD_MAX_VERTICES / 2 };
-    int part[MOST];
-    int next = 1;
-    while (count - next + 1 > MOST) {
-        part[0] = vertex[0];
-        for (int i = 1; i < MOST; i++) part[i] = vertex[next + i - 1];
-        add_cell(builder, region, part, MOST, capacity);
-        next += MOST - 2;
+static double part_area(const CellBuilder *builder, const int *vertex, int first, int count, int all) {
+    const Vec2 *points = builder->building->points;
+    Vec2 origin = points[vertex[first % all]];
+    double twice = 0;
+    for (int i = 1; i + 1 < count; i++)
+        twice += vec2_cross(vec2_sub(points[vertex[(first + i) % all]], origin),
+                            vec2_sub(points[vertex[(first + i + 1) % all]], origin));
+    return 0.5 * twice;
+}
+
+enum { MOST_EDGES = BUILD_MAX_VERTICES / 2 };
+
+// As a fan of chords from the first vertex; false, and no cells, where a part of it would be flat.
+static bool add_fan(CellBuilder *builder, int region, const int *vertex, int count, int *capacity) {
+    int part[MOST_EDGES];
+    for (int adding = 0; adding < 2; adding++) {
+        for (int next = 1, size; next + 1 < count; next += size - 2) {
+            size = count - next + 1 < MOST_EDGES ? count - next + 1 : MOST_EDGES;
+            part[0] = vertex[0];
+            for (int i = 1; i < size; i++) part[i] = vertex[next + i - 1];
+            if (adding)
+                add_cell(builder, region, part, size, capacity);
+            else if (size < count && part_area(builder, part, 0, size, size) < VIS_SLIVER)
+                return false;
+        }
     }
-    part[0] = vertex[0];
-    int left = 1;
-    while (next < count) part[left++] = vertex[next++];
-    add_cell(builder, region, part, left, capacity);
+    return true;
+}
+
+// A piece with very many vertices (a round room, a long corridor) becomes several: a fan, or where so many vertices lie on one side that
+// a part of it would be flat, halves with as many vertices each, cut along the first chord that has something on both its sides.
+static void add_cell_piece(CellBuilder *builder, int region, const int *vertex, int count, int *capacity) {
+    if (add_fan(builder, region, vertex, count, capacity)) return;
+    int half = count / 2, k = 0;
+    while (k + 1 < count && (part_area(builder, vertex, k, half + 1, count) < VIS_SLIVER ||
+                             part_area(builder, vertex, k + half, count - half + 1, count) < VIS_SLIVER))
+        k++;
+    int *part = ARENA_ARRAY(builder->scratch, int, count);
+    for (int i = 0; i <= half; i++) part[i] = vertex[(k + i) % count];
+    add_cell_piece(builder, region, part, half + 1, capacity);
+    for (int i = 0; i <= count - half; i++) part[i] = vertex[(k + half + i) % count];
+    add_cell_piece(builder, region, part, count - half + 1, capacity);
 }
 
 // A region that is convex as it is, its vertices on the grid or off it.

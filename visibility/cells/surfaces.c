@@ -17,8 +17,9 @@ static const double T_VERTEX = 1e-7;
 
 static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *name) {
     CellGraph *graph = builder->graph;
-    Object *object =
-        ARENA_PUSH(builder->arena, graph->objects, graph->object_count, builder->object_capacity);
+    graph->objects = arena_regrow(builder->arena, graph->objects, sizeof *graph->objects, graph->object_count,
+                                  graph->object_count + 1, &builder->object_capacity);
+    Object *object = &graph->objects[graph->object_count++];
     *object = (Object){
         .kind = kind, .name = name, .first_polygon = graph->polygon_count, .opening = -1, .leaf = -1};
     return object;
@@ -26,11 +27,13 @@ static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *nam
 
 static void add_graph_polygon(CellBuilder *builder, const Vec3 *vertices, int count, int material) {
     CellGraph *graph = builder->graph;
-    Polygon *polygon =
-        ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity);
-    *polygon = (Polygon){graph->vertex_count, count, material, 0};
-    graph->vertices = arena_room(builder->arena, graph->vertices, sizeof *graph->vertices,
-                                 graph->vertex_count, graph->vertex_count + count, &builder->vertex_capacity);
+    graph->polygons =
+        arena_regrow(builder->arena, graph->polygons, sizeof *graph->polygons, graph->polygon_count,
+                     graph->polygon_count + 1, &builder->polygon_capacity);
+    graph->polygons[graph->polygon_count++] = (Polygon){graph->vertex_count, count, material, 0};
+    graph->vertices =
+        arena_regrow(builder->arena, graph->vertices, sizeof *graph->vertices, graph->vertex_count,
+                     graph->vertex_count + count, &builder->vertex_capacity);
     memcpy(graph->vertices + graph->vertex_count, vertices, (size_t)count * sizeof *vertices);
     graph->vertex_count += count;
     graph->objects[graph->object_count - 1].polygon_count++;
@@ -301,9 +304,6 @@ static void subtract_from_all(Pieces *pieces, const Vec3 *hole, int hole_count) 
 static int inlay_in_cell(const CellGraph *graph, const Inlay *inlay, const Cell *cell, Pieces *pieces) {
     const Vec2 *points = graph->building->points + inlay->first_point;
     int count = inlay->point_count;
-    Box box = box_empty();
-    for (int i = 0; i < count; i++) box = box_add(box, vec3(points[i].x, points[i].y, inlay->z));
-    if (!box_overlap(box, cell->box)) return 0;
     make_room(pieces, count + cell->edge_count + 1);
     for (int i = 0; i < count; i++) pieces->rest[i] = vec3(points[i].x, points[i].y, inlay->z);
     for (int i = 0; i < cell->edge_count && count > 0; i++) {
@@ -325,7 +325,27 @@ static void add_level_surface(CellBuilder *builder, int cell, Vec3 *v, int count
     add_surface(builder, cell, v, count, material);
 }
 
-static void add_level(CellBuilder *builder, int c, double z, int material, bool floor) {
+// The inlays of a building by their place: a floor or ceiling looks at those that lie over its cell.
+typedef struct InlayTree {
+    BoxTree tree;
+    BoxHits near;
+} InlayTree;
+
+static InlayTree sort_inlays(const CellBuilder *builder) {
+    const Building *b = builder->building;
+    Box *boxes = ARENA_ARRAY(builder->scratch, Box, b->inlay_count);
+    for (int i = 0; i < b->inlay_count; i++) {
+        const Inlay *inlay = &b->inlays[i];
+        boxes[i] = box_empty();
+        for (int k = 0; k < inlay->point_count; k++) {
+            Vec2 p = b->points[inlay->first_point + k];
+            boxes[i] = box_add(boxes[i], vec3(p.x, p.y, inlay->z));
+        }
+    }
+    return (InlayTree){.tree = box_tree_build(boxes, b->inlay_count, builder->scratch)};
+}
+
+static void add_level(CellBuilder *builder, InlayTree *inlays, int c, double z, int material, bool floor) {
     CellGraph *graph = builder->graph;
     const Building *b = builder->building;
     const Cell *cell = &graph->cells[c];
@@ -339,9 +359,11 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
         if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
         subtract_from_all(&pieces, graph->portal_vertices + portal->first_vertex, portal->vertex_count);
     }
-    for (int i = 0; i < b->inlay_count && material >= 0; i++) {
-        const Inlay *inlay = &b->inlays[i];
-        if (inlay->z != z) continue;
+    Box level = cell->box;
+    level.min.z = level.max.z = z;
+    int found = material >= 0 ? box_tree_find(&inlays->tree, level, builder->scratch, &inlays->near) : 0;
+    for (int i = 0; i < found; i++) {
+        const Inlay *inlay = &b->inlays[inlays->near.items[i]];
         int count = inlay_in_cell(graph, inlay, cell, &pieces);
         if (count == 0) continue;
         Vec3 *part = memcpy(ARENA_ARRAY(&scratch, Vec3, count), pieces.rest, (size_t)count * sizeof *part);
@@ -521,12 +543,13 @@ void build_surfaces(CellBuilder *builder) {
     copy_building(builder);
     int first_polygon = graph->polygon_count;
     graph->surface_first = ARENA_ARRAY(builder->arena, int, graph->cell_count + 1);
+    InlayTree inlays = sort_inlays(builder);
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = &builder->building->regions[graph->cells[c].region];
         graph->surface_first[c] = graph->object_count;
         add_walls(builder, c);
-        add_level(builder, c, graph->cells[c].z0, region->floor_material, true);
-        add_level(builder, c, graph->cells[c].z1, region->ceiling_material, false);
+        add_level(builder, &inlays, c, graph->cells[c].z0, region->floor_material, true);
+        add_level(builder, &inlays, c, graph->cells[c].z1, region->ceiling_material, false);
     }
     graph->surface_first[graph->cell_count] = graph->object_count;
     add_plugs(builder);

@@ -134,6 +134,7 @@ static void cast_some(void *context, int index, int thread) {
     for (int p = first; p < first + PORTALS && 2 * p < r->ways.way_count; p++) {
         Random random = {SPREAD * (uint64_t)(p + 1)};
         const WayShape *way = &r->ways.ways[2 * p];
+        if (!rounds_asks(r, way->from) && !rounds_asks(r, way->to)) continue;
         for (int k = 0; k < LINES; k++) {
             Vec3 point = random_point(way, &random), direction = random_direction(&random);
             if (vec3_dot(direction, way->facet.plane.n) < 0) direction = vec3_scale(direction, -1);

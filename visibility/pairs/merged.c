@@ -29,6 +29,9 @@ struct Merged {
     int *word;  // cells in doubt in the beam, as FlowStep keeps them
     uint64_t *bits;
     CastPath path;
+    int *cells;            // of merged_cells, which looks for all cells; NULL: cells in doubt are looked for
+    unsigned *cell_stamp;  // [cell_count] as `stamp`, of cells in `cells`
+    int cell_count, most_cells;
     int reach_count, reach_made, queue_count, word_count;
     unsigned search;
 };
@@ -43,6 +46,7 @@ static Merged *merged_new(Flow *flow) {
     m->word = ARENA_ARRAY(&flow->arena, int, ways->words);
     m->bits = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
     m->path = cast_path(ways, &flow->arena);
+    m->cell_stamp = ARENA_ARRAY(&flow->arena, unsigned, ways->cell_count);
     return m;
 }
 
@@ -183,6 +187,7 @@ static bool grow(Flow *flow, const Beam *beam) {
 // The cells in doubt that may be seen through the way, as far as they may lie in the beam; false where there are none.
 static bool look_ahead(Flow *flow, const Beam *beam) {
     Merged *m = flow->merged;
+    if (m->cells) return true;
     const uint64_t *might = flow->might + (size_t)beam->way * (size_t)flow->ways->words;
     int count = 0, kept = 0;
     m->word_count = 0;
@@ -213,6 +218,7 @@ static bool look_ahead(Flow *flow, const Beam *beam) {
 
 static bool leads_on(const Flow *flow, int way) {
     const Merged *m = flow->merged;
+    if (m->cells) return true;
     const uint64_t *might = flow->might + (size_t)way * (size_t)flow->ways->words;
     for (int i = 0; i < m->word_count; i++) {
         if (m->bits[i] & might[m->word[i]] & flow->unknown[m->word[i]]) return true;
@@ -235,8 +241,19 @@ static void try_line(Flow *flow, const Beam *beam) {
     }
 }
 
+static void list_cell(Merged *m, int cell) {
+    if (m->cell_stamp[cell] == m->search) return;
+    m->cell_stamp[cell] = m->search;
+    if (m->cell_count < m->most_cells) m->cells[m->cell_count] = cell;
+    m->cell_count++;
+}
+
 static void come_to(Flow *flow, const Beam *beam) {
     int cell = flow->ways->ways[beam->way].to;
+    if (flow->merged->cells) {
+        list_cell(flow->merged, cell);
+        return;
+    }
     if (!row_has(flow->unknown, cell)) return;
     try_line(flow, beam);
     row_add(((Finding *)flow->context)->kept, cell);
@@ -248,6 +265,7 @@ static void come_to(Flow *flow, const Beam *beam) {
 static bool may_pass(const Flow *flow, int source, int next) {
     size_t words = (size_t)flow->ways->words;
     int to = flow->ways->ways[next].to;
+    if (flow->merged->cells) return to != source;
     return to != source && row_has(flow->might + (size_t)flow->merged->first.way * words, to) &&
            row_has(flow->might + (size_t)(next ^ 1) * words, source);
 }
@@ -288,6 +306,19 @@ bool merged_search(Flow *flow, int way) {
     beam_begin(flow->ways, way, &m->first);
     come_to(flow, &m->first);
     grow(flow, &m->first);
-    while (m->queue_count > 0 && flow->spent < flow->allowed) look_through(flow, queue_take(m));
+    while (m->queue_count > 0 && flow->spent < flow->allowed && m->cell_count <= m->most_cells)
+        look_through(flow, queue_take(m));
     return m->queue_count == 0 && flow->spent < flow->allowed;
+}
+
+int merged_cells(Flow *flow, int way, int *cells, int most) {
+    if (!flow->merged) flow->merged = merged_new(flow);
+    Merged *m = flow->merged;
+    m->cells = cells;
+    m->cell_count = 0;
+    m->most_cells = most;
+    int count = merged_search(flow, way) && m->cell_count <= most ? m->cell_count : -1;
+    m->cells = NULL;
+    m->most_cells = m->cell_count = 0;
+    return count;
 }

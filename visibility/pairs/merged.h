@@ -12,4 +12,9 @@
 // As flow_search, with a line tried through each portal by which cells in doubt are reached; the flow's context is a Finding.
 bool merged_search(Flow *flow, int way);
 
+// All cells that lines through the way may enter, as far as a merged search tells, when nothing is known beforehand: flow->might is not
+// read. Writes at most `most` of them, in no order, the nearest first about; returns their number, -1: there are more, or all allowed
+// work is done.
+int merged_cells(Flow *flow, int way, int *cells, int most);
+
 #endif

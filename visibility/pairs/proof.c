@@ -5,6 +5,8 @@
 // once, and proven cells are not looked for again: most of the work that is left goes into cells that are truly hidden. Most of
 // these are excluded by the merged search (merged.h), whose time does not grow with the number of chains; the search along chains,
 // which is finer, has only the rest to decide, and settle.c what that leaves.
+#include "visibility/pairs/proof.h"
+
 #include "visibility/pairs/cast.h"
 #include "visibility/pairs/merged.h"
 #include "visibility/pairs/settle.h"
@@ -66,20 +68,24 @@ static void prove_neighbours(Rounds *r) {
 // Its time is polynomial: it may go on to the end.
 static const double WORK_MERGED = 6e9;
 
+void proof_search(Rounds *r, bool reach) {
+    Cast cast;
+    cast_build(&r->ways, &r->scratch, &cast);
+    r->cast = &cast;
+    prove_neighbours(r);
+    cast_from_portals(r);
+    if (reach) rounds_reach(r);
+    if (!r->stopped) rounds_search(r, WORK_MERGED, search_merged, NULL);
+    if (!r->stopped) rounds_search(r, ROUNDS_WORK, search_chains, try_line);
+    if (!r->stopped) settle_pairs(r);
+    rounds_end(r);
+}
+
 static void proof_find(const CellGraph *graph, const PairOptions *options, const Progress *progress,
                        Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
-    Cast cast;
-    cast_build(&rounds.ways, &rounds.scratch, &cast);
-    rounds.cast = &cast;
-    prove_neighbours(&rounds);
-    cast_from_portals(&rounds);
-    rounds_reach(&rounds);
-    if (!rounds.stopped) rounds_search(&rounds, WORK_MERGED, search_merged, NULL);
-    if (!rounds.stopped) rounds_search(&rounds, ROUNDS_WORK, search_chains, try_line);
-    if (!rounds.stopped) settle_pairs(&rounds);
-    rounds_end(&rounds);
+    proof_search(&rounds, true);
 }
 
 const PairMethod PAIR_METHOD_PROOF = {.name = "proof",

@@ -77,15 +77,9 @@ static void and_block(const Rounds *r, int i, int k, const uint64_t block[64]) {
         set_row(r, r->set->seen, i * 64 + c)[k] &= block[c];
 }
 
-// A cell sees what may be seen through one of its ways, as far as that may see the cell. What it does not see is not seen through
-// any of its ways either.
-static void see_floods(Rounds *r) {
+void rounds_agree(Rounds *r) {
     const WayGraph *ways = &r->ways;
     int words = ways->words;
-    for (int w = 0; w < ways->way_count; w++) {
-        uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
-        for (int k = 0; k < words; k++) seen[k] |= might_row(r, w)[k];
-    }
     for (int i = 0; i < words; i++) {
         for (int k = 0; k <= i; k++) {
             uint64_t a[64], b[64];
@@ -102,6 +96,16 @@ static void see_floods(Rounds *r) {
         const uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
         for (int k = 0; k < words; k++) might_row(r, w)[k] &= seen[k];
     }
+}
+
+// A cell sees what may be seen through one of its ways, as far as that may see the cell.
+static void see_floods(Rounds *r) {
+    const WayGraph *ways = &r->ways;
+    for (int w = 0; w < ways->way_count; w++) {
+        uint64_t *seen = set_row(r, r->set->seen, ways->ways[w].from);
+        for (int k = 0; k < ways->words; k++) seen[k] |= might_row(r, w)[k];
+    }
+    rounds_agree(r);
 }
 
 static void flood_cell(void *context, int cell, int thread) {
@@ -139,8 +143,8 @@ bool rounds_go_on(Flow *flow) {
     return tell(finding->rounds, NULL, 0);
 }
 
-void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
-                  Arena *arena, PairSet *set) {
+void rounds_open(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                 Arena *arena, PairSet *set) {
     *r = (Rounds){.options = options,
                   .progress = progress,
                   .set = set,
@@ -150,13 +154,17 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
                   .arena = arena};
     *set = pair_set_new(graph, arena);
     ways_build(graph, &r->scratch, &r->ways);
-    const WayGraph *ways = &r->ways;
-    r->might = ARENA_ARRAY(&r->scratch, uint64_t, (size_t)ways->way_count * (size_t)ways->words);
-    parallel_for(r->threads, ways->cell_count, flood_cell, r);
-    for (int c = 0; c < ways->cell_count; c++) {
+    r->might = ARENA_ARRAY(&r->scratch, uint64_t, (size_t)r->ways.way_count * (size_t)r->ways.words);
+    for (int c = 0; c < r->ways.cell_count; c++) {
         row_add(set_row(r, set->proven, c), c);
         row_add(set_row(r, set->seen, c), c);
     }
+}
+
+void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                  Arena *arena, PairSet *set) {
+    rounds_open(r, graph, options, progress, arena, set);
+    parallel_for(r->threads, r->ways.cell_count, flood_cell, r);
     see_floods(r);
 }
 
@@ -243,8 +251,8 @@ void rounds_prove(Rounds *r, const PairEnds *pairs, const Sight *lines, int coun
     }
 }
 
-static int round_size(const WayGraph *ways) {
-    int size = ways->way_count / ROUNDS;
+static int round_size(int searches) {
+    int size = searches / ROUNDS;
     return size < SMALLEST_ROUND ? SMALLEST_ROUND : size > LARGEST_ROUND ? LARGEST_ROUND : size;
 }
 
@@ -324,8 +332,12 @@ void rounds_search(Rounds *r, double work, bool (*search)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
     Arena scratch = {0};
-    int count = ways->way_count, size = round_size(ways);
-    Turn *turns = ARENA_ARRAY(&scratch, Turn, count + 1);
+    Turn *turns = ARENA_ARRAY(&scratch, Turn, ways->way_count + 1);
+    int count = 0;
+    for (int w = 0; w < ways->way_count; w++) {
+        if (rounds_asks(r, ways->ways[w].from)) turns[count++].way = w;
+    }
+    int size = round_size(count);
     Round round = {.rounds = r,
                    .flows = ARENA_ARRAY(&scratch, Flow, r->threads),
                    .findings = ARENA_ARRAY(&scratch, Finding, size),
@@ -333,7 +345,6 @@ void rounds_search(Rounds *r, double work, bool (*search)(Flow *flow, int way),
                    .kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words),
                    .total = count,
                    .left = ways_work(ways, work)};
-    for (int i = 0; i < count; i++) turns[i].way = i;
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);
         round.flows[i].arrive = arrive;

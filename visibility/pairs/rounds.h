@@ -21,6 +21,7 @@ typedef struct Rounds {
     int witness_count, witness_capacity;
     bool stopped;
     int threads;
+    const uint64_t *own;   // bit c: lines from cell c are asked for; NULL: from all
     atomic_int flooded;    // cells
     const char *told;      // the stage last reported,
     double told_done;      // and how much of it
@@ -60,7 +61,16 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
-// One search from every way: flow_search or one like it. All of them may do `work` (see ways_work). `arrive` is that of Flow, whose
+// The same without the flood: the caller fills `might`, adds to set->seen and set->proven what may be seen and what is, as far as he
+// knows and without regard to symmetry of `seen`, and calls rounds_agree, which takes from both what one of them lacks.
+void rounds_open(Rounds *rounds, const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                 Arena *arena, PairSet *set);
+void rounds_agree(Rounds *rounds);
+// Are lines from the cell asked for?
+static inline bool rounds_asks(const Rounds *rounds, int cell) {
+    return !rounds->own || row_has(rounds->own, cell);
+}
+// One search from every way out of cells that are asked for: flow_search or one like it. All of them may do `work` (see ways_work). `arrive` is that of Flow, whose
 // context is a Finding. In closed buildings a search along chains follows thousands; in the open, where there are millions, it is given
 // up, and pairs in doubt stay so; likewise when all allowed work is done.
 #define ROUNDS_WORK 8e8  // the usual work of a search along chains

@@ -166,7 +166,8 @@ typedef struct Doubt {
 } Doubt;
 
 // Pairs seen but not proven: in the open there are millions, of which the first are tried.
-static Doubt *list_doubts(const PairSet *set, Arena *arena, int *count) {
+static Doubt *list_doubts(const Rounds *r, Arena *arena, int *count) {
+    const PairSet *set = r->set;
     long long both_ways = pair_count(set->seen, set->cell_count, set->words) -
                           pair_count(set->proven, set->cell_count, set->words);
     enum { MOST_DOUBTS = 1 << 21 };
@@ -175,6 +176,7 @@ static Doubt *list_doubts(const PairSet *set, Arena *arena, int *count) {
     *count = 0;
     for (int a = 0; a < set->cell_count; a++) {
         for (int b = a + 1; b < set->cell_count && *count < most; b++) {
+            if (!rounds_asks(r, a) && !rounds_asks(r, b)) continue;
             bool doubt = pair_bit(set->seen, set->words, a, b) && !pair_bit(set->proven, set->words, a, b);
             if (doubt) doubts[(*count)++] = (Doubt){a, b};
         }
@@ -241,7 +243,7 @@ void settle_pairs(Rounds *r) {
     enum { MOST_CASES = 256 };  // at once
     Arena scratch = {0};
     Cases run = {.rounds = r, .left = ways_work(&r->ways, WORK)};
-    const Doubt *doubts = list_doubts(r->set, &scratch, &run.total);
+    const Doubt *doubts = list_doubts(r, &scratch, &run.total);
     run.cases = ARENA_ARRAY(&scratch, Case, run.total < MOST_CASES ? run.total : MOST_CASES);
     run.flows = ARENA_ARRAY(&scratch, Flow, r->threads);
     run.kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)r->threads * (size_t)r->ways.words);

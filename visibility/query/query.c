@@ -176,8 +176,8 @@ static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
 
 // Fetches into the cache the data that the walk begins with.
 static void prefetch_start(const VisQuery *q, int cell) {
-    for (int k = 0; k < q->forest->seen.blocks; k++)
-        __builtin_prefetch(cell_rows_block(&q->forest->seen, cell, k));
+    CellRow row = q->forest->seen.row[cell];
+    for (int k = 0; k < row.count; k++) __builtin_prefetch(row.runs[k].words);
     const char *ways = (const char *)&q->ways[q->of_cell[cell].first_block];
     for (size_t line = 0; line < sizeof(WayBlock); line += CACHE_LINE) __builtin_prefetch(ways + line);
 }

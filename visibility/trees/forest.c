@@ -12,6 +12,7 @@
 #include "visibility/sightline.h"
 #include "visibility/vis.h"
 #include "visibility/ways.h"
+#include "visibility/window.h"
 
 // The data from which all trees of a building are grown; read only, on any number of threads.
 typedef struct TreeSource TreeSource;
@@ -52,7 +53,8 @@ struct TreeSource {
     WayGraph ways;
     GridWay *plan;          // [way_count]
     const uint64_t *known;  // [cell_count * words] the pairs that may see each other, or NULL
-    int limit;              // nodes of one tree
+    CellWindow window;  // the group of cells whose trees are grown, where pairs are known; else of no cells
+    int limit;          // nodes of one tree
     // Nothing is known, and floods from each of VIS_MANY_CELLS would take longer than trees: no test 1
     bool large;
 };
@@ -78,22 +80,32 @@ static GridWay plan_way(const CellGraph *graph, const WayGraph *ways, int way) {
                                                                : -1};
 }
 
-// In large buildings each tree may have its share of MOST_NODES only.
+// In large buildings each tree may have its share of MOST_NODES only, or as many as a tree of rooms has.
 static int tree_limit(const VisOptions *options, int cell_count) {
-    enum { MOST_NODES = 8 << 20 };  // 128 MB
+    enum { MOST_NODES = 8 << 20, OF_ROOMS = 256 };  // 128 MB
     int share = MOST_NODES / (cell_count > 0 ? cell_count : 1);
-    return options->max_nodes < share ? options->max_nodes : share > 0 ? share : 1;
+    if (share < OF_ROOMS) share = OF_ROOMS;
+    return options->max_nodes < share ? options->max_nodes : share;
 }
 
-static TreeSource *tree_source_new(const CellGraph *graph, const VisOptions *options, Arena *arena) {
-    TreeSource *source = ARENA_ARRAY(arena, TreeSource, 1);
-    source->known = options->known;
-    source->limit = tree_limit(options, graph->cell_count);
-    source->large = !source->known && graph->cell_count > VIS_MANY_CELLS;
+static void tree_source_make(const CellGraph *graph, TreeSource *source, Arena *arena) {
     ways_build(graph, arena, &source->ways);
     source->plan = ARENA_ARRAY(arena, GridWay, source->ways.way_count);
     for (int i = 0; i < source->ways.way_count; i++) source->plan[i] = plan_way(graph, &source->ways, i);
-    return source;
+}
+
+// The pairs of a window as a matrix. `list` [cells of the building] is scratch.
+static const uint64_t *known_matrix(const CellRows *known, const CellWindow *window, const int *place,
+                                    int *list, Arena *arena) {
+    int cells = window->graph.cell_count;
+    size_t words = ((size_t)cells + 63) / 64;
+    uint64_t *matrix = ARENA_ARRAY(arena, uint64_t, (size_t)cells * words);
+    for (int c = 0; c < cells; c++) {
+        int count = cell_rows_list(known, window->cell[c], list);
+        for (int i = 0; i < count; i++)
+            if (place[list[i]] >= 0) row_add(matrix + (size_t)c * words, place[list[i]]);
+    }
+    return matrix;
 }
 
 // Where the search stands after one way.
@@ -336,22 +348,36 @@ static Tree tree_grow(TreeGrower *g, int cell, long long allowed, uint64_t *row)
 
 // The data that all threads share.
 typedef struct Growth {
+    TreeSource *source;
     TreeGrower **growers;  // [threads], as are these
     uint64_t **rows;       // [words] of the cell at hand
-    Arena *own;            // blocks of rows
+    int **lists;           // [cell_count] the same, of the building's cells
+    Arena *own;            // of rows that are kept
     StabForest *forest;
     Tree *trees;
-    int first;          // cell of this run
+    const int *run;     // the cells of this run, as the source numbers them
     long long allowed;  // work for one tree of it
+    long long left;     // of the work of all
+    int before;         // cells of earlier runs
     const Progress *progress;
     pthread_mutex_t lock;  // of `progress`, `done` and `stopped`
-    int done;
+    int done, threads;
     bool stopped;
 } Growth;
 
+// A tree of a window becomes one of the building.
+static void leave_window(const CellWindow *window, Tree *tree) {
+    for (int i = 0; i < tree->count; i++) {
+        StabNode *node = &tree->nodes[i];
+        node->cell = window->cell[node->cell];
+        if (node->portal >= 0) node->portal = window->portal[node->portal];
+    }
+}
+
 static void grow_next(void *context, int index, int thread) {
     Growth *growth = context;
-    int cell = growth->first + index;
+    const TreeSource *source = growth->source;
+    const CellWindow *window = &source->window;
     pthread_mutex_lock(&growth->lock);
     double done = (double)growth->done++ / growth->forest->cell_count;
     if (!growth->stopped && !progress_report(growth->progress, "stab trees", done)) growth->stopped = true;
@@ -360,48 +386,95 @@ static void grow_next(void *context, int index, int thread) {
     if (stopped) return;
     StabForest *forest = growth->forest;
     uint64_t *row = growth->rows[thread];
-    memset(row, 0, (size_t)forest->words * sizeof *row);
-    growth->trees[cell] = tree_grow(growth->growers[thread], cell, growth->allowed, row);
-    cell_rows_set(&forest->seen, cell, row, &growth->own[thread]);
+    int here = growth->run[index], words = source->ways.words;
+    int cell = window->cell ? window->cell[here] : here;
+    memset(row, 0, (size_t)words * sizeof *row);
+    growth->trees[cell] = tree_grow(growth->growers[thread], here, growth->allowed, row);
+    if (!window->cell) {
+        cell_rows_set(&forest->seen, cell, row, &growth->own[thread]);
+        return;
+    }
+    int *list = growth->lists[thread], count = 0;
+    for (int k = 0; k < words; k++)
+        for (uint64_t bits = row[k]; bits; bits &= bits - 1)
+            list[count++] = window->cell[64 * k + __builtin_ctzll(bits)];
+    cell_rows_set_list(&forest->seen, cell, list, count, &growth->own[thread]);
+    leave_window(window, &growth->trees[cell]);
 }
 
-// In runs, so that the nodes of trees are counted before the next are grown: one may take much more than its share of what is left, since
-// most take less.
-static void grow_all(Growth *growth, const TreeSource *source, int threads, Arena *scratch) {
+// The trees of the cells `list` of the source. In runs, so that the nodes of trees are counted before the next are grown: one may take
+// much more than its share of what is left, since most take less.
+static void grow_group(Growth *growth, const int *list, int count) {
     enum { RUN = 64, TIMES = 64, MOST = 8 };
-    int count = growth->forest->cell_count;
-    growth->growers = ARENA_ARRAY(scratch, TreeGrower *, threads);
-    growth->rows = ARENA_ARRAY(scratch, uint64_t *, threads);
-    growth->own = ARENA_ARRAY(scratch, Arena, threads);
-    for (int i = 0; i < threads; i++) {
-        growth->growers[i] = tree_grower_new(source, scratch);
-        growth->rows[i] = ARENA_ARRAY(scratch, uint64_t, growth->forest->words);
+    const TreeSource *source = growth->source;
+    Arena scratch = {0};
+    growth->growers = ARENA_ARRAY(&scratch, TreeGrower *, growth->threads);
+    growth->rows = ARENA_ARRAY(&scratch, uint64_t *, growth->threads);
+    for (int i = 0; i < growth->threads; i++) {
+        growth->growers[i] = tree_grower_new(source, &scratch);
+        growth->rows[i] = ARENA_ARRAY(&scratch, uint64_t, source->ways.words);
     }
-    long long left = tree_work(source);
-    for (growth->first = 0; growth->first < count && !growth->stopped; growth->first += RUN) {
-        int rest = count - growth->first, run = rest < RUN ? rest : RUN;
-        long long share = left / rest * TIMES;
-        growth->allowed = share < left / MOST ? share : left / MOST;
-        parallel_for(threads, run, grow_next, growth);
+    if (growth->before == 0) growth->left = tree_work(source);
+    for (int first = 0; first < count && !growth->stopped; first += RUN) {
+        int rest = growth->forest->cell_count - growth->before,
+            run = count - first < RUN ? count - first : RUN;
+        long long share = growth->left / rest * TIMES;
+        growth->allowed = share < growth->left / MOST ? share : growth->left / MOST;
+        growth->run = list + first;
+        parallel_for(growth->threads, run, grow_next, growth);
         for (int i = 0; i < run; i++) {
-            const Tree *tree = &growth->trees[growth->first + i];
-            left -= tree->spent * (tree->bounded ? tree_waste(source) : 1);
+            int cell = source->window.cell ? source->window.cell[list[first + i]] : list[first + i];
+            const Tree *tree = &growth->trees[cell];
+            growth->left -= tree->spent * (tree->bounded ? tree_waste(source) : 1);
         }
+        growth->before += run;
     }
-    for (int i = 0; i < threads; i++) tree_grower_end(growth->growers[i]);
+    for (int i = 0; i < growth->threads; i++) tree_grower_end(growth->growers[i]);
+    arena_free(&scratch);
+}
+
+// Where pairs are known, trees of a group of cells in the window of all that it may see.
+static void grow_all(Growth *growth, const CellGraph *graph, const VisOptions *options, Arena *scratch) {
+    int cells = graph->cell_count, *place = ARENA_ARRAY(scratch, int, cells),
+        *list = ARENA_ARRAY(scratch, int, cells);
+    int limit = tree_limit(options, cells);
+    for (int c = 0; c < cells; c++) place[c] = -1, list[c] = c;
+    if (!options->known) {
+        TreeSource source = {.limit = limit, .large = cells > VIS_MANY_CELLS};
+        tree_source_make(graph, &source, scratch);
+        growth->source = &source;
+        grow_group(growth, list, cells);
+        return;
+    }
+    CellGroups groups = cell_groups(graph, window_pays(options->known) ? WINDOW_GROUP : cells, scratch);
+    for (int g = 0; g < groups.count && !growth->stopped; g++) {
+        Arena own = {0};
+        TreeSource source = {.limit = limit};
+        const int *group = groups.cell + groups.first[g];
+        int count = groups.first[g + 1] - groups.first[g], *here = ARENA_ARRAY(&own, int, count);
+        window_enter(graph, options->known, group, count, place, &own, &source.window);
+        tree_source_make(&source.window.graph, &source, &own);
+        source.known = known_matrix(options->known, &source.window, place, list, &own);
+        for (int i = 0; i < count; i++) here[i] = place[group[i]];
+        growth->source = &source;
+        grow_group(growth, here, count);
+        window_leave(&source.window, place);
+        arena_free(&own);
+    }
 }
 
 // Removes from the row of a cell the cells that its tree reaches only through cells that do not see it; returns whether there was any.
-// `kept` [largest tree] and `row` [words] are scratch.
+// `kept` [largest tree] and `row` [words], which is 0 before and after, are scratch.
 static bool trim_row(StabForest *forest, const Tree *tree, int root, unsigned char *kept, uint64_t *row,
                      Arena *scratch) {
-    memset(row, 0, (size_t)forest->words * sizeof *row);
     for (int i = 0; i < tree->count; i++) {
         const StabNode *node = &tree->nodes[i];
         kept[i] = (node->parent < 0 || kept[node->parent]) && vis_sees(forest, root, node->cell);
         if (kept[i]) row_add(row, node->cell);
     }
-    return cell_rows_keep(&forest->seen, root, row, scratch);
+    bool changed = cell_rows_keep(&forest->seen, root, row, scratch);
+    for (int i = 0; i < tree->count; i++) row[tree->nodes[i].cell / 64] = 0;
+    return changed;
 }
 
 // Sight is symmetric, and a cell is seen only through cells that are seen: pairs that contradict this are dropped until the
@@ -473,12 +546,15 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
     Growth growth = {.forest = out,
                      .trees = ARENA_ARRAY(&scratch, Tree, count),
                      .progress = progress,
+                     .threads = parallel_threads(options->threads),
                      .lock = PTHREAD_MUTEX_INITIALIZER};
-    int threads = parallel_threads(options->threads);
-    grow_all(&growth, tree_source_new(graph, options, &scratch), threads, &scratch);
+    growth.own = ARENA_ARRAY(&scratch, Arena, growth.threads);
+    growth.lists = ARENA_ARRAY(&scratch, int *, growth.threads);
+    for (int i = 0; i < growth.threads; i++) growth.lists[i] = ARENA_ARRAY(&scratch, int, count);
+    grow_all(&growth, graph, options, &scratch);
     if (!growth.stopped) assemble(out, growth.trees, arena, &scratch);
     out->seen = cell_rows_copy(&out->seen, arena);
-    for (int i = 0; i < threads; i++) arena_free(&growth.own[i]);
+    for (int i = 0; i < growth.threads; i++) arena_free(&growth.own[i]);
     for (int c = 0; c < count; c++) memory_free(growth.trees[c].nodes);
     arena_free(&scratch);
     return !growth.stopped;

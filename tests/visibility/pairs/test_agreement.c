@@ -22,7 +22,8 @@ static void know(const char *path, Known *k) {
     cr_assert(maps_read(path, &k->arena, &k->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&k->building, &options, &k->arena, &k->graph, &error), "%s", error.text);
     pair_method_finest()->find(&k->graph, &(PairOptions){0}, NULL, &k->arena, &k->set);
-    options.known = k->set.seen;
+    CellRows known = cell_rows_of_matrix(k->set.seen, k->set.cell_count, &k->arena);
+    options.known = &known;
     cr_assert(vis_build_forest(&k->graph, &options, NULL, &k->arena, &k->forest));
 }
 

@@ -1,0 +1,248 @@
+// campus.c - see campus.h. First a merged search from every way, which follows nothing but portals that its beam meets, bounds what
+// may be seen through the way. Within these bounds, and no farther, each group of cells is searched in a window of its own.
+#include "visibility/pairs/campus.h"
+
+#include <stdlib.h>
+
+#include "engine/core/parallel.h"
+#include "visibility/pairs/merged.h"
+#include "visibility/pairs/proof.h"
+#include "visibility/window.h"
+
+// The cells that may be seen through each way.
+typedef struct Bounds {
+    WayGraph ways;
+    int **cells;  // [way_count] lists
+    int *count;   // [way_count] -1: not found
+    Flow *flows;  // [threads], as are these
+    int **found;  // [cell_count] a list while it is made
+    Arena *own;   // of lists
+    long long *spent;
+    int threads, first;  // way of the run
+} Bounds;
+
+static void bound_way(void *context, int index, int thread) {
+    Bounds *b = context;
+    int way = b->first + index;
+    Flow *flow = &b->flows[thread];
+    flow->spent = 0;
+    int count = merged_cells(flow, way, b->found[thread], b->ways.cell_count);
+    b->spent[index] = flow->spent;
+    b->count[way] = count;
+    if (count < 0) return;
+    b->cells[way] = ARENA_ARRAY(&b->own[thread], int, count);
+    memcpy(b->cells[way], b->found[thread], (size_t)count * sizeof *b->found[thread]);
+}
+
+// Work of a way in the mean, see ways_work: of rooms some tens of microseconds. Of more than VIS_MANY_CELLS, which have no other search,
+// it may be more.
+static long long bound_work(const WayGraph *ways) {
+    return ways->cell_count > VIS_MANY_CELLS ? 2000000 : 200000;
+}
+
+// False where it takes too long, or progress asked to stop.
+static bool bound_ways(Bounds *b, const Progress *progress, Arena *scratch) {
+    enum { RUN = 1024, AHEAD = 16 * RUN };
+    int ways = b->ways.way_count;
+    long long spent = 0;
+    b->spent = ARENA_ARRAY(scratch, long long, RUN);
+    for (b->first = 0; b->first < ways; b->first += RUN) {
+        int count = ways - b->first < RUN ? ways - b->first : RUN;
+        if (!progress_report(progress, "bounds", (double)b->first / ways)) return false;
+        // The first ways may take what is meant for others.
+        int ahead = ways < b->first + AHEAD ? ways : b->first + AHEAD;
+        for (int i = 0; i < b->threads; i++) b->flows[i].allowed = bound_work(&b->ways) * ahead - spent;
+        parallel_for(b->threads, count, bound_way, b);
+        for (int i = 0; i < count; i++) {
+            spent += b->spent[i];
+            if (b->count[b->first + i] < 0) return false;
+        }
+        if (spent > bound_work(&b->ways) * ahead) return false;
+    }
+    return true;
+}
+
+static int by_number(const void *p, const void *q) {
+    int a = *(const int *)p, b = *(const int *)q;
+    return (a > b) - (a < b);
+}
+
+// The cells that each cell may see through one of its ways, itself among them, as far as these may see it.
+static CellRows unite(const Bounds *b, Arena *scratch) {
+    const WayGraph *ways = &b->ways;
+    CellRows rows = cell_rows_new(ways->cell_count, scratch);
+    Arena own = {0};
+    int *list = ARENA_ARRAY(&own, int, ways->cell_count), *stamp = ARENA_ARRAY(&own, int, ways->cell_count);
+    for (int c = 0; c < ways->cell_count; c++) {
+        int count = 0;
+        list[count++] = c;
+        stamp[c] = c + 1;
+        for (int i = ways->first[c]; i < ways->first[c + 1]; i++) {
+            int way = ways->list[i];
+            for (int k = 0; k < b->count[way]; k++) {
+                int cell = b->cells[way][k];
+                if (stamp[cell] == c + 1) continue;
+                stamp[cell] = c + 1;
+                list[count++] = cell;
+            }
+        }
+        qsort(list, (size_t)count, sizeof *list, by_number);
+        cell_rows_set_list(&rows, c, list, count, scratch);
+    }
+    arena_free(&own);
+    cell_rows_make_symmetric(&rows, scratch);
+    return rows;
+}
+
+// The data of the search in windows.
+typedef struct Search {
+    const CellGraph *graph;
+    const Bounds *bounds;
+    CellRows seen, proven;
+    Arena *rows;        // of both
+    int *place, *list;  // [cell_count] of window_enter; -1, and scratch
+    PairOptions options;
+    const Progress *progress;
+    int group, groups;
+} Search;
+
+static bool report_group(void *context, const char *stage, double done) {
+    const Search *s = context;
+    (void)stage;
+    return progress_report(s->progress, "sightlines", (s->group + done) / s->groups);
+}
+
+static void add_listed(const Search *s, int count, uint64_t *row) {
+    for (int i = 0; i < count; i++) {
+        if (s->place[s->list[i]] >= 0) row_add(row, s->place[s->list[i]]);
+    }
+}
+
+// The knowledge so far of the cells and ways in the window.
+static void load(const Search *s, const CellWindow *window, Rounds *r) {
+    const Bounds *b = s->bounds;
+    size_t words = (size_t)r->ways.words;
+    for (int c = 0; c < window->graph.cell_count; c++) {
+        int cell = window->cell[c];
+        add_listed(s, cell_rows_list(&s->seen, cell, s->list), r->set->seen + (size_t)c * words);
+        int count = cell_rows_list(&s->proven, cell, s->list);
+        add_listed(s, count, r->set->proven + (size_t)c * words);
+        for (int i = 0; i < count; i++) {
+            int other = s->place[s->list[i]];
+            if (other >= 0) row_add(r->set->proven + (size_t)other * words, c);
+        }
+    }
+    for (int w = 0; w < r->ways.way_count; w++) {
+        int way = 2 * window->portal[w / 2] + w % 2;
+        for (int i = 0; i < b->count[way]; i++) {
+            int place = s->place[b->cells[way][i]];
+            if (place >= 0) row_add(r->might + (size_t)w * words, place);
+        }
+    }
+}
+
+// The rows of the group's cells. A cell that sees none of the group is not in the window, and in no row.
+static void store(Search *s, const CellWindow *window, const PairSet *set) {
+    for (int c = 0; c < set->cell_count; c++) {
+        if (!row_has(window->own, c)) continue;
+        for (int k = 0; k < 2; k++) {
+            const uint64_t *row = (k ? set->proven : set->seen) + (size_t)c * (size_t)set->words;
+            int count = 0;
+            for (int w = 0; w < set->words; w++)
+                for (uint64_t bits = row[w]; bits; bits &= bits - 1)
+                    s->list[count++] = window->cell[64 * w + __builtin_ctzll(bits)];
+            cell_rows_set_list(k ? &s->proven : &s->seen, window->cell[c], s->list, count, s->rows);
+        }
+    }
+}
+
+// Decides all pairs of a cell of the group; false when progress asked to stop.
+static bool search_group(Search *s, const int *group, int count, ChainWork *work) {
+    Arena scratch = {0};
+    CellWindow window;
+    PairSet set;
+    Rounds rounds;
+    Progress progress = {report_group, s};
+    window_enter(s->graph, &s->seen, group, count, s->place, &scratch, &window);
+    rounds_open(&rounds, &window.graph, &s->options, &progress, &scratch, &set);
+    rounds.own = window.own;
+    rounds.ways.scale *= (double)count / s->graph->cell_count;
+    load(s, &window, &rounds);
+    rounds_agree(&rounds);
+    proof_search(&rounds, false);
+    store(s, &window, &set);
+    chain_work_add(work, set.work);
+    window_leave(&window, s->place);
+    arena_free(&scratch);
+    return !set.stopped;
+}
+
+// Pairs may be proven from one end alone.
+static long long count_undecided(const Search *s) {
+    long long count = 0;
+    for (int c = 0; c < s->seen.cell_count; c++) {
+        int seen = cell_rows_list(&s->seen, c, s->list);
+        for (int i = 0; i < seen; i++)
+            count += !cell_rows_has(&s->proven, c, s->list[i]) && !cell_rows_has(&s->proven, s->list[i], c);
+    }
+    return count;
+}
+
+// False where windows do not pay.
+static bool search_groups(const CellGraph *graph, const Bounds *bounds, const PairOptions *options,
+                          const Progress *progress, Arena *arena, CampusPairs *out) {
+    Arena scratch = {0};
+    CellRows seen = unite(bounds, &scratch);
+    if (!window_pays(&seen)) {
+        arena_free(&scratch);
+        return false;
+    }
+    CellGroups groups = cell_groups(graph, WINDOW_GROUP, &scratch);
+    Search s = {.graph = graph,
+                .bounds = bounds,
+                .seen = seen,
+                .proven = cell_rows_new(graph->cell_count, &scratch),
+                .rows = &scratch,
+                .place = ARENA_ARRAY(&scratch, int, graph->cell_count),
+                .list = ARENA_ARRAY(&scratch, int, graph->cell_count),
+                .options = {.threads = options->threads},
+                .progress = progress,
+                .groups = groups.count};
+    for (int c = 0; c < graph->cell_count; c++) {
+        s.place[c] = -1;
+        cell_rows_set_list(&s.proven, c, &c, 1, &scratch);
+    }
+    for (; s.group < groups.count && !out->stopped; s.group++) {
+        const int *first = groups.cell + groups.first[s.group];
+        out->stopped =
+            !search_group(&s, first, groups.first[s.group + 1] - groups.first[s.group], &out->work);
+    }
+    cell_rows_make_symmetric(&s.seen, &scratch);
+    out->undecided = count_undecided(&s);
+    out->seen = cell_rows_copy(&s.seen, arena);
+    arena_free(&scratch);
+    return true;
+}
+
+bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
+                  CampusPairs *out) {
+    Arena scratch = {0};
+    *out = (CampusPairs){.stopped = false};
+    Bounds b = {.threads = parallel_threads(options->threads)};
+    ways_build(graph, &scratch, &b.ways);
+    b.cells = ARENA_ARRAY(&scratch, int *, b.ways.way_count);
+    b.count = ARENA_ARRAY(&scratch, int, b.ways.way_count);
+    b.flows = ARENA_ARRAY(&scratch, Flow, b.threads);
+    b.found = ARENA_ARRAY(&scratch, int *, b.threads);
+    b.own = ARENA_ARRAY(&scratch, Arena, b.threads);
+    for (int i = 0; i < b.threads; i++) {
+        flow_start(&b.flows[i], &b.ways, NULL);
+        b.found[i] = ARENA_ARRAY(&scratch, int, b.ways.cell_count);
+    }
+    bool good = bound_ways(&b, progress, &scratch);
+    for (int i = 0; i < b.threads; i++) flow_end(&b.flows[i]);
+    good = good && search_groups(graph, &b, options, progress, arena, out);
+    for (int i = 0; i < b.threads; i++) arena_free(&b.own[i]);
+    arena_free(&scratch);
+    return good;
+}

@@ -1,0 +1,115 @@
+// window.c - see window.h.
+#include "visibility/window.h"
+
+#include <stdlib.h>
+
+// The place of a cell along a curve through all space that stays near where it was (G. Morton 1966).
+typedef struct Stop {
+    uint64_t key;
+    int cell;
+} Stop;
+
+static int by_key(const void *p, const void *q) {
+    const Stop *a = p, *b = q;
+    if (a->key != b->key) return a->key < b->key ? -1 : 1;
+    return (a->cell > b->cell) - (a->cell < b->cell);
+}
+
+static uint64_t curve_key(Vec3 p, Box box) {
+    enum { BITS = 20 };
+    Vec3 size = vec3_sub(box.max, box.min);
+    double side = fmax(size.x, fmax(size.y, size.z)),
+           at[3] = {p.x - box.min.x, p.y - box.min.y, p.z - box.min.z};
+    uint64_t key = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double share = side > 0 ? fmin(fmax(at[axis] / side, 0), 1) : 0;
+        uint64_t whole = (uint64_t)(share * ((1 << BITS) - 1));
+        for (int bit = 0; bit < BITS; bit++) key |= (whole >> bit & 1) << (3 * bit + axis);
+    }
+    return key;
+}
+
+bool window_pays(const CellRows *near) {
+    double cells = near->cell_count;
+    return cells > WINDOW_LEAST && (double)cell_rows_count(near) * WINDOW_SHARE < cells * cells;
+}
+
+CellGroups cell_groups(const CellGraph *graph, int size, Arena *arena) {
+    int cells = graph->cell_count;
+    CellGroups groups = {.cell = ARENA_ARRAY(arena, int, cells),
+                         .count = cells ? (cells + size - 1) / size : 0};
+    Stop *stops = ARENA_ARRAY(arena, Stop, cells);
+    for (int c = 0; c < cells; c++) {
+        Box box = graph->cells[c].box;
+        stops[c].cell = c;
+        if (groups.count > 1)
+            stops[c].key = curve_key(vec3_scale(vec3_add(box.min, box.max), 0.5), graph->box);
+    }
+    qsort(stops, (size_t)cells, sizeof *stops, by_key);
+    for (int c = 0; c < cells; c++) groups.cell[c] = stops[c].cell;
+    groups.first = ARENA_ARRAY(arena, int, groups.count + 1);
+    for (int g = 0; g <= groups.count; g++) groups.first[g] = g < groups.count ? g * size : cells;
+    return groups;
+}
+
+static int by_number(const void *p, const void *q) {
+    int a = *(const int *)p, b = *(const int *)q;
+    return (a > b) - (a < b);
+}
+
+// The portals between cells of the window.
+static void add_portals(const CellGraph *graph, const int *place, Arena *arena, CellWindow *out) {
+    int count = 0;
+    for (int i = 0; i < out->graph.cell_count; i++) count += graph->cells[out->cell[i]].way_count;
+    out->portal = ARENA_ARRAY(arena, int, count);
+    count = 0;
+    for (int i = 0; i < out->graph.cell_count; i++) {
+        const Cell *cell = &graph->cells[out->cell[i]];
+        for (int w = cell->first_way; w < cell->first_way + cell->way_count; w++) {
+            int p = graph->ways[w].portal;
+            const Portal *portal = &graph->portals[p];
+            if (portal->cell[0] == out->cell[i] && place[portal->cell[1]] >= 0) out->portal[count++] = p;
+        }
+    }
+    qsort(out->portal, (size_t)count, sizeof *out->portal, by_number);
+    out->graph.portals = ARENA_ARRAY(arena, Portal, count);
+    out->graph.portal_count = count;
+    for (int p = 0; p < count; p++) {
+        Portal *portal = &out->graph.portals[p];
+        *portal = graph->portals[out->portal[p]];
+        for (int side = 0; side < 2; side++) portal->cell[side] = place[portal->cell[side]];
+    }
+}
+
+void window_enter(const CellGraph *graph, const CellRows *near, const int *group, int count, int *place,
+                  Arena *arena, CellWindow *out) {
+    int most = 0, cells = 0;
+    for (int i = 0; i < count; i++) most += cell_rows_size(near, group[i]);
+    if (most > graph->cell_count) most = graph->cell_count;
+    // A list may be as long as all cells, behind those that are there already.
+    int *all = ARENA_ARRAY(arena, int, most), *list = ARENA_ARRAY(arena, int, most);
+    for (int i = 0; i < count; i++) {
+        int seen = cell_rows_list(near, group[i], list);
+        for (int k = 0; k < seen; k++) {
+            if (place[list[k]] >= 0) continue;
+            place[list[k]] = 0;
+            all[cells++] = list[k];
+        }
+    }
+    qsort(all, (size_t)cells, sizeof *all, by_number);
+    *out =
+        (CellWindow){.cell = all, .own = ARENA_ARRAY(arena, uint64_t, (cells + 63) / 64), .own_count = count};
+    out->graph = (CellGraph){.building = graph->building,
+                             .portal_vertices = graph->portal_vertices,
+                             .portal_vertex_count = graph->portal_vertex_count,
+                             .cell_count = cells,
+                             .box = graph->box,
+                             .touch = graph->touch};
+    for (int i = 0; i < cells; i++) place[all[i]] = i;
+    for (int i = 0; i < count; i++) out->own[place[group[i]] / 64] |= (uint64_t)1 << (place[group[i]] % 64);
+    add_portals(graph, place, arena, out);
+}
+
+void window_leave(const CellWindow *window, int *place) {
+    for (int i = 0; i < window->graph.cell_count; i++) place[window->cell[i]] = -1;
+}

@@ -14,6 +14,7 @@ int cmd_vis(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_walk(int argc, char **argv);
 int cmd_bake(int argc, char **argv);
+int cmd_light(int argc, char **argv);
 int cmd_render(int argc, char **argv);
 
 // Before anything else: standard streams are open, requests of libraries count as ours.

@@ -32,6 +32,7 @@ static const AppCommand COMMANDS[] = {
     {"plan", "draw the plan with cells, portals, doors and a stab tree, as SVG", cmd_plan},
     {"walk", "walk through a building", cmd_walk},
     {"bake", "compute the light of a building by radiosity, and store it", cmd_bake},
+    {"light", "tell the light of each room as planners ask for it", cmd_light},
     {"render", "draw a picture by rays, with mirrors and glass", cmd_render},
     {"bench", "measure, as CSV on standard output", cmd_bench},
 };

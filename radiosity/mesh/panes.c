@@ -1,6 +1,8 @@
 // panes.c - which openings hold glass; and the transmittance of a pane, by Fresnel's formulae and the law of Bouguer.
 #include "radiosity/mesh/panes.h"
 
+#include <string.h>
+
 #include "engine/core/fresnel.h"
 
 // The index of refraction of clear float glass, in the middle of the spectrum that is seen; and the share of light that 3 mm of it let
@@ -8,6 +10,8 @@
 static const double INDEX = 1.52, THROUGH = 0.991;
 // Panes reach so far into the wall around them, metres: more than rounding, less than any wall, so that no line slips by.
 static const double INTO_WALL = 0.001;
+// A pane whose normal rises more than this is not upright.
+static const double LEVEL = 1e-6;
 
 double glass_transmits(double cosine) {
     double reflected[2], sum = 0;
@@ -37,7 +41,8 @@ static Pane pane_in(const Opening *o) {
     return (Pane){.plane = {n, vec3_dot(n, origin)},
                   .origin = origin,
                   .x = vec3(unit.x / wide, unit.y / wide, 0),
-                  .y = vec3(0, 0, 1 / high)};
+                  .y = vec3(0, 0, 1 / high),
+                  .room = -1};
 }
 
 // Lists the cells of an opening, and counts them: its own, or those on both sides of the portals that its door closes.
@@ -81,6 +86,74 @@ Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena) {
     return out;
 }
 
+// ---- black panes
+
+// Where a cell lies when rooms are closed, but for `open`.
+static int room_of(const CellGraph *graph, int cell) {
+    const Building *b = graph->building;
+    const Region *region = vis_region(graph, cell);
+    if (region->kind == REGION_ROOM) return graph->cells[cell].region;
+    if (region->kind == REGION_SHAFT) return PANES_BETWEEN;
+    if (region->kind == REGION_OUTDOORS) return PANES_OUTDOORS;
+    for (int side = 0; side < 2; side++) {
+        int beyond = b->openings[region->opening].region[side];
+        if (beyond < 0 || b->regions[beyond].kind != REGION_ROOM) return PANES_OUTDOORS;
+    }
+    return PANES_BETWEEN;
+}
+
+// The rectangle about a portal, along its longest edge.
+static Pane pane_about(const CellGraph *graph, const Portal *portal) {
+    const Vec3 *v = graph->portal_vertices + portal->first_vertex;
+    Vec3 along = {0}, origin = v[0];
+    double longest = 0, low[2] = {0, 0}, high[2] = {0, 0};
+    for (int i = 0; i < portal->vertex_count; i++) {
+        Vec3 edge = vec3_sub(v[(i + 1) % portal->vertex_count], v[i]);
+        if (vec3_length(edge) <= longest) continue;
+        longest = vec3_length(edge);
+        along = vec3_scale(edge, 1 / longest);
+    }
+    Vec3 axis[2] = {along, vec3_cross(portal->plane.n, along)};
+    for (int i = 0; i < portal->vertex_count; i++)
+        for (int k = 0; k < 2; k++) {
+            double at = vec3_dot(axis[k], vec3_sub(v[i], origin));
+            low[k] = fmin(low[k], at);
+            high[k] = fmax(high[k], at);
+        }
+    for (int k = 0; k < 2; k++) {
+        origin = vec3_add(origin, vec3_scale(axis[k], low[k]));
+        axis[k] = vec3_scale(axis[k], 1 / (high[k] - low[k]));
+    }
+    return (Pane){.plane = portal->plane, .origin = origin, .x = axis[0], .y = axis[1], .opening = -1};
+}
+
+Panes panes_between_rooms(const CellGraph *graph, const Panes *glass, Arena *arena) {
+    PaneRoom *rooms = ARENA_ARRAY(arena, PaneRoom, graph->cell_count + 1);
+    bool *open = ARENA_ARRAY(arena, bool, graph->building->region_count + 1);
+    Panes out = {.panes = ARENA_ARRAY(arena, Pane, glass->count + 2 * graph->portal_count + 1),
+                 .cells = glass->cells,
+                 .count = glass->count,
+                 .rooms = rooms};
+    for (int c = 0; c < graph->cell_count; c++) rooms[c].room = room_of(graph, c);
+    if (glass->count > 0) memcpy(out.panes, glass->panes, (size_t)glass->count * sizeof *out.panes);
+    for (int p = 0; p < graph->portal_count; p++) {
+        const Portal *portal = &graph->portals[p];
+        for (int side = 0; side < 2; side++) {
+            int room = rooms[portal->cell[side]].room, there = rooms[portal->cell[!side]].room;
+            if (room < 0 || there == room) continue;
+            if (there == PANES_OUTDOORS) {
+                open[room] = true;
+                continue;
+            }
+            Pane *pane = &out.panes[out.count++];
+            *pane = pane_about(graph, portal);
+            pane->room = room;
+        }
+    }
+    for (int c = 0; c < graph->cell_count; c++) rooms[c].open = rooms[c].room >= 0 && open[rooms[c].room];
+    return out;
+}
+
 void panes_pose(const Panes *all, const Building *building, const float *door_open, Panes *out) {
     out->count = 0;
     for (int i = 0; i < all->count; i++) {
@@ -101,10 +174,14 @@ void pane_corners(const Pane *pane, Vec3 out[4]) {
 
 void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane plane, Panes *out) {
     out->cells = from->cells;
+    out->rooms = from->rooms;
     out->count = 0;
     for (int i = 0; i < from->count; i++) {
         const Pane *pane = &from->panes[i];
         bool seen = cell < 0 || pane->cell_count == 0, before = false;
+        // Lines from a room to another one's black panes have passed its own.
+        if (pane->room >= 0 && cell >= 0 && from->rooms[cell].room >= 0)
+            seen = from->rooms[cell].room == pane->room;
         for (int k = pane->first_cell; k < pane->first_cell + pane->cell_count && !seen; k++)
             seen = vis_sees(forest, cell, from->cells[k]);
         if (!seen) continue;
@@ -120,6 +197,7 @@ double panes_highest(const Panes *panes, Vec3 from) {
     for (int i = 0; i < panes->count; i++) {
         const Pane *pane = &panes->panes[i];
         Vec3 off = vec3_sub(from, pane->origin);
+        if (fabs(pane->plane.n.z) > LEVEL) return 1;
         // The nearest point of the upper edge, seen from above.
         double length2 = vec3_dot(pane->x, pane->x), at = fmin(fmax(vec3_dot(pane->x, off), 0), 1);
         double x = off.x - at * pane->x.x / length2, y = off.y - at * pane->x.y / length2;
@@ -143,7 +221,7 @@ double panes_transmit(const Panes *panes, Vec3 from, Vec3 to) {
         const Pane *pane = &panes->panes[i];
         double a = plane_distance(pane->plane, from), b = plane_distance(pane->plane, to);
         if ((a > 0) == (b > 0) || !is_on(pane, vec3_lerp(from, to, a / (a - b)))) continue;
-        share *= glass_transmits(fabs(a - b) / vec3_length(vec3_sub(to, from)));
+        share *= pane_transmits(pane, fabs(a - b) / vec3_length(vec3_sub(to, from)));
     }
     return share;
 }
@@ -155,7 +233,19 @@ double panes_transmit_from_afar(const Panes *panes, Vec3 to, Vec3 source) {
         double height = plane_distance(pane->plane, to), slope = vec3_dot(pane->plane.n, source);
         bool crosses = height > 0 ? slope < 0 : slope > 0;
         if (!crosses || !is_on(pane, vec3_add(to, vec3_scale(source, -height / slope)))) continue;
-        share *= glass_transmits(fabs(slope));
+        share *= pane_transmits(pane, fabs(slope));
     }
     return share;
+}
+
+// With all rooms closed, can there be a line between the two cells?
+static bool joined(const PaneRoom *a, const PaneRoom *b) {
+    if (a->room == b->room) return true;
+    return (a->open && b->room == PANES_OUTDOORS) || (b->open && a->room == PANES_OUTDOORS);
+}
+
+double panes_transmit_between(const Panes *panes, Vec3 from, int from_cell, Vec3 to, int to_cell) {
+    bool known = panes->rooms && from_cell >= 0 && to_cell >= 0;
+    if (known && !joined(&panes->rooms[from_cell], &panes->rooms[to_cell])) return 0;
+    return panes_transmit(panes, from, to);
 }

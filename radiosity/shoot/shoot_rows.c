@@ -271,7 +271,7 @@ static void lay_out(Runs *runs) {
 
 // `panes` are those before the patch: they let through a share of each element's light, by the line between both middles. The rest counts
 // as met by backs: it is absorbed.
-static void copy_row(const ShootRows *rows, const Row *from, Runs runs, Vec3 eye, const Panes *panes,
+static void copy_row(const ShootRows *rows, const Row *from, Runs runs, const Patch *of, const Panes *panes,
                      ShootRow *to) {
     place_row(to, runs.count, from->count);
     lay_out(&runs);
@@ -286,8 +286,10 @@ static void copy_row(const ShootRows *rows, const Row *from, Runs runs, Vec3 eye
         for (int i = first; i < end; i++) {
             int at = runs.element[kind]++;
             float factor = from->factor[i];
-            if (panes->count > 0) {
-                factor *= (float)panes_transmit(panes, eye, rows->middles[from->element[i]]);
+            if (panes->count > 0 || panes->rooms) {
+                factor *= (float)panes_transmit_between(panes, of->centre, of->cell,
+                                                        rows->middles[from->element[i]],
+                                                        rows->mesh->patches[patch].cell);
                 kept += (double)from->factor[i] - (double)factor;
             }
             share += (double)factor;
@@ -412,7 +414,63 @@ static void make_row(void *context, int index, int thread) {
         arena_reset(&slot->arena);
         slot->row = arena_alloc(&slot->arena, bytes, 1);
     }
-    copy_row(rows, row, runs, patch->centre, &maker->panes, slot->row);
+    copy_row(rows, row, runs, patch, &maker->panes, slot->row);
+}
+
+// ---- closed rooms
+
+// Takes the elements behind black panes out of a row, in its place. Runs lie by length, which does not matter to who reads them.
+static void close_row(const ShootRows *rows, ShootRow *row, const Patch *of, const Panes *black) {
+    ShootRow to = {0};
+    double kept = 0;
+    for (int r = 0, at = 0; r < row->run_count; r++) {
+        ShootRun run = row->runs[r];
+        const Patch *patch = &rows->mesh->patches[run.patch];
+        int count = row->count[r] + 1, first = to.element_count;
+        double share = 0;
+        for (int i = at; i < at + count; i++) {
+            int e = patch->first_element + row->offset[i];
+            float density = row->density[i];
+            if (panes_transmit_between(black, of->centre, of->cell, rows->middles[e], patch->cell) == 0)
+                continue;
+            row->density[to.element_count] = density;
+            row->offset[to.element_count++] = row->offset[i];
+            share += (double)density * rows->mesh->elements[e].area;
+        }
+        at += count;
+        int left = to.element_count - first;
+        kept += (double)run.share;
+        if (left == 0) continue;
+        // A whole run has the share that it had, to the last bit.
+        if (left < count) run.share = (float)share;
+        kept -= (double)run.share;
+        row->count[to.run_count] = (uint8_t)(left - 1);
+        row->runs[to.run_count++] = run;
+    }
+    row->run_count = to.run_count;
+    row->element_count = to.element_count;
+    row->back += kept;
+}
+
+static void close_patch(void *context, int index, int thread) {
+    ShootRows *rows = context;
+    ShootRow *row = rows->of[index];
+    if (!row) return;
+    Panes *panes = &rows->makers[thread].panes;
+    const Patch *patch = &rows->mesh->patches[index];
+    panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane, panes);
+    int black = 0;
+    for (int i = 0; i < panes->count; i++)
+        if (panes->panes[i].room >= 0) panes->panes[black++] = panes->panes[i];
+    panes->count = black;
+    close_row(rows, row, patch, panes);
+}
+
+void shoot_rows_close(ShootRows *rows, const Mesh *closed) {
+    rows->mesh = closed;
+    for (int t = 0; t < rows->threads; t++)
+        rows->makers[t].panes.panes = ARENA_ARRAY(&rows->makers[t].arena, Pane, closed->panes.count + 1);
+    parallel_for(rows->threads, rows->mesh->patch_count, close_patch, rows);
 }
 
 static int by_index(const void *p, const void *q) {

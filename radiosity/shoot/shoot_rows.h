@@ -43,6 +43,10 @@ bool shoot_rows_depend(const ShootRows *rows, int patch, const MovedDoors *moved
 // of these doors, and returns how many.
 int shoot_rows_move(ShootRows *rows, const MovedDoors *moved);
 
+// From now on the rows are those of `closed`, which is the mesh with black panes more (panes_between_rooms): what they stand before is
+// absorbed. Only Row.sky_light and ground_light of rows that are there stay as they are: nothing is to be gathered along them.
+void shoot_rows_close(ShootRows *rows, const Mesh *closed);
+
 // Drops the row of a patch, if it is there: the next one has as many directions as those of lamps.
 void shoot_rows_refine(ShootRows *rows, int patch);
 

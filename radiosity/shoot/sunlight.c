@@ -137,7 +137,7 @@ static void project_panes(SunScene *s, Arena *arena) {
         pane_corners(&panes->panes[i], out->corner);
         for (int k = 0; k < 4; k++) out->corner[k] = to_sun(s, out->corner[k]);
         if (slope < 0) reverse(out->corner, 4);
-        out->share = fabs(slope) > EDGE_ON ? glass_transmits(fabs(slope)) : 1;
+        out->share = fabs(slope) > EDGE_ON ? pane_transmits(&panes->panes[i], fabs(slope)) : 1;
         out->box = box_of(out->corner, 4);
     }
 }

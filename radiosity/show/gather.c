@@ -301,7 +301,18 @@ struct Gatherer {
     bool any_lamp, sky_in_rows;
     NearGatherer *near;  // NULL: none
     Panes panes;         // before the point
+    double (*own)
+        [3];  // [element_count] that leaves an element with all rooms closed, as in `leaving`; NULL: nobody asks
+    const RadSolution *closed_light;
+    const Panes *closed;
+    Panes black;  // before the point, of `closed`
+    int cell;     // of the point
 };
+
+// Light that arrives, and the part of it that passes no black pane.
+typedef struct Arriving {
+    double all[3], own[3];
+} Arriving;
 
 // As much of the slope as keeps the element's light at 0 or above: beside bright things elements are too coarse to be straight.
 static void limit_slope(const Gatherer *self, int element, Leaving *out) {
@@ -364,11 +375,20 @@ static void find_leaving(Gatherer *self) {
         for (int c = 0; c < 3; c++)
             out->mean[c] = self->scene.solution->radiosity[e][c] - (exact ? emitted[c] : 0);
     }
+    for (int e = 0; e < mesh->element_count && self->own; e++)
+        for (int c = 0; c < 3; c++)
+            self->own[e][c] = self->leaving[e].mean[c] + self->closed_light->radiosity[e][c] -
+                              self->scene.solution->radiosity[e][c];
     for (int f = 0; f < mesh->face_count && !self->options.reflected; f++)
         self->any_lamp = self->any_lamp || (mesh_emits(mesh, f) && is_exact(self, f));
 }
 
 Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena) {
+    return gatherer_new_apart(scene, options, NULL, NULL, arena);
+}
+
+Gatherer *gatherer_new_apart(const GatherScene *scene, const GatherOptions *options, const RadSolution *own,
+                             const Panes *closed, Arena *arena) {
     const Mesh *mesh = scene->mesh;
     FormFactorOptions rows = form_factor_default_options();
     Gatherer *self = ARENA_ARRAY(arena, Gatherer, 1);
@@ -380,12 +400,21 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     self->panes.panes = ARENA_ARRAY(arena, Pane, mesh->panes.count + 1);
     self->scene = *scene;
     self->options = *options;
+    if (own) {
+        CORE_ASSERT(!scene->light && options->near.reach == 0);
+        self->closed_light = own;
+        self->closed = closed;
+        self->own = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *self->own);
+        self->black.panes = ARENA_ARRAY(arena, Pane, closed->count + 1);
+    }
     self->viewer = viewer_new(mesh, scene->forest, scene->door_open, arena);
     self->rows = form_factor_new(options->method, mesh, &rows, arena);
     // Behind glass no sky is even.
     self->sky_in_rows =
         options->method->projective || (daylight_is_uniform(&scene->solution->day) &&
                                         (mesh->panes.count == 0 || !daylight_shines(&scene->solution->day)));
+    // Nor is the part of it that comes from other rooms.
+    if (own && daylight_shines(&scene->solution->day)) self->sky_in_rows = false;
     if (scene->light || !self->sky_in_rows)
         self->samples = options->method->projective
                             ? self->rows
@@ -424,7 +453,26 @@ static Vec3 in_building(const View *view, Vec3 w) {
     return vec3_add(vec3_scale(view->x, w.x), vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z)));
 }
 
-static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
+// Adds light; `own` is the part of it that a closed room has, if it comes to the view's eye past no black pane.
+static void arrive(const double all[3], const double own[3], bool passes, Arriving *to) {
+    for (int c = 0; c < 3; c++) {
+        to->all[c] += all[c];
+        if (passes) to->own[c] += own[c];
+    }
+}
+
+// From a point of an element.
+static bool passes_black(const Gatherer *self, const View *view, Vec3 from, int element) {
+    const Mesh *mesh = self->scene.mesh;
+    return self->own && panes_transmit_between(&self->black, view->eye, self->cell, from,
+                                               mesh->patches[mesh->elements[element].patch].cell) > 0;
+}
+
+static bool passes_black_from_afar(const Gatherer *self, const View *view, Vec3 source) {
+    return self->own && panes_transmit_from_afar(&self->black, view->eye, source) > 0;
+}
+
+static void add_lamps(Gatherer *self, const View *view, Arriving *to) {
     int occluders = -1;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *f = &view->faces[i];
@@ -439,12 +487,13 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
                          self->occluder, occluders, by_table.spread ? spread_sight_add : analytic_sight_add,
                          by_table.spread ? (void *)&by_table : &sight);
         if (by_table.spread) sight = by_table.sight;
+        if (!(sight.area > 0)) continue;
         // Panes of glass weaken all that is in sight as they do on the line to its middle.
-        if (self->panes.count > 0 && sight.area > 0)
-            sight.share *= panes_transmit(
-                &self->panes, view->eye,
-                vec3_add(view->eye, in_building(view, vec3_scale(sight.moment, 1 / sight.area))));
-        for (int c = 0; c < 3; c++) irradiance[c] += sight.share * emitted[c];
+        Vec3 middle = vec3_add(view->eye, in_building(view, vec3_scale(sight.moment, 1 / sight.area)));
+        if (self->panes.count > 0) sight.share *= panes_transmit(&self->panes, view->eye, middle);
+        for (int c = 0; c < 3; c++) emitted[c] *= sight.share;
+        int element = self->scene.mesh->faces[f->face].first_element;
+        arrive(emitted, emitted, passes_black(self, view, middle, element), to);
     }
 }
 
@@ -454,8 +503,7 @@ typedef struct Near {
 } Near;
 
 // Takes note of an element's share if it is near; its own emission is known all the same.
-static bool put_near(Gatherer *self, int element, double share, bool means, Near *near,
-                     double irradiance[3]) {
+static bool put_near(Gatherer *self, int element, double share, bool means, Near *near, Arriving *to) {
     if (!self->near || !near_gatherer_is_near(self->near, element)) return false;
     if (!means) return true;
     double emitted[3] = {0};
@@ -463,17 +511,17 @@ static bool put_near(Gatherer *self, int element, double share, bool means, Near
     if (!is_exact(self, face)) rgb_doubles(mesh_material(self->scene.mesh, face)->emission, emitted);
     near->share += share;
     for (int c = 0; c < 3; c++) {
-        irradiance[c] += share * emitted[c];
+        to->all[c] += share * emitted[c];
         near->even[c] += share * (self->leaving[element].mean[c] - emitted[c]);
     }
     return true;
 }
 
-static void add_near(Gatherer *self, const Near *near, double irradiance[3]) {
+static void add_near(Gatherer *self, const Near *near, Arriving *to) {
     double reflected[3];
     if (!(near->share > 0)) return;
     bool found = near_gatherer_mean(self->near, reflected);
-    for (int c = 0; c < 3; c++) irradiance[c] += found ? near->share * reflected[c] : near->even[c];
+    for (int c = 0; c < 3; c++) to->all[c] += found ? near->share * reflected[c] : near->even[c];
 }
 
 // Does a ray from the eye along w, in the view's axes, meet a face of the view?
@@ -489,83 +537,107 @@ static bool meets_face(const View *view, const ViewFace *f, Vec3 w) {
     return left == f->vertex_count || right == f->vertex_count;
 }
 
-static void add_sun(const View *view, const Panes *panes, const Daylight *day, double irradiance[3]) {
+static void add_sun(const Gatherer *self, const View *view, Arriving *to) {
+    const Daylight *day = &self->scene.solution->day;
     Vec3 w = {vec3_dot(view->x, day->sun), vec3_dot(view->y, day->sun), vec3_dot(view->z, day->sun)};
     if (rgb_sum(day->beam) == 0 || !(w.z > 0)) return;
     for (int i = 0; i < view->face_count; i++)
         if (meets_face(view, &view->faces[i], w)) return;
-    double share = w.z * panes_transmit_from_afar(panes, view->eye, day->sun);
-    for (int c = 0; c < 3; c++) irradiance[c] += day->beam[c] * share;
+    double share = w.z * panes_transmit_from_afar(&self->panes, view->eye, day->sun), light[3];
+    for (int c = 0; c < 3; c++) light[c] = day->beam[c] * share;
+    arrive(light, light, passes_black_from_afar(self, view, day->sun), to);
 }
 
-static void gather_row(Gatherer *self, const View *view, Near *near, double irradiance[3]) {
+static void gather_row(Gatherer *self, const View *view, Near *near, Arriving *to, double *inside) {
     const Row *row = form_factor_row(self->rows, view);
+    if (inside) *inside = row->back;
     for (int i = 0; i < row->count; i++) {
+        int element = row->element[i];
         double share = (double)row->factor[i];
-        if (self->panes.count > 0)
-            share *=
-                panes_transmit(&self->panes, view->eye, element_centroid(self->scene.mesh, row->element[i]));
-        if (put_near(self, row->element[i], share, true, near, irradiance)) continue;
-        const double *mean = self->leaving[row->element[i]].mean;
-        for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
+        Vec3 from =
+            self->panes.count > 0 || self->own ? element_centroid(self->scene.mesh, element) : view->eye;
+        if (self->panes.count > 0) share *= panes_transmit(&self->panes, view->eye, from);
+        if (put_near(self, element, share, true, near, to)) continue;
+        const double *mean = self->leaving[element].mean;
+        for (int c = 0; c < 3; c++) to->all[c] += share * mean[c];
+        if (!passes_black(self, view, from, element)) continue;
+        for (int c = 0; c < 3; c++) to->own[c] += share * self->own[element][c];
     }
     if (!self->sky_in_rows) return;
     bool projective = self->options.method->projective;
     double below[3], sky = projective ? row->sky_light : row->sky;
     daylight_below(&self->scene.solution->day, below);
     for (int c = 0; c < 3; c++)
-        irradiance[c] += M_PI * (sky * self->scene.solution->day.zenith[c] + row->ground_light * below[c]);
+        to->all[c] += M_PI * (sky * self->scene.solution->day.zenith[c] + row->ground_light * below[c]);
+}
+
+// A sample that meets nothing: of the sky, or of the ground.
+static void add_sky_sample(Gatherer *self, const View *view, Vec3 along, double weight, Arriving *to) {
+    double radiance[3];
+    if (self->panes.count > 0) weight *= panes_transmit_from_afar(&self->panes, view->eye, along);
+    daylight_radiance(&self->scene.solution->day, along, radiance);
+    for (int c = 0; c < 3; c++) radiance[c] *= weight * M_PI;
+    arrive(radiance, radiance, passes_black_from_afar(self, view, along), to);
 }
 
 // Samples where they meet elements: slopes, and with `means` all of it. A sky that is not even is left to samples in any case.
-static void add_samples(Gatherer *self, const View *view, bool means, Near *near, double irradiance[3]) {
+static void add_samples(Gatherer *self, const View *view, bool means, Near *near, Arriving *to,
+                        double *inside) {
     const FormFactorSamples *samples = form_factor_samples(self->samples);
     const int32_t *item = form_factor_items(self->samples, view);
     bool sky = means || !self->sky_in_rows;
+    double backs = 0;
     for (int i = 0; i < samples->count; i++) {
         Vec3 w = vec3((double)samples->x[i], (double)samples->y[i], (double)samples->z[i]);
-        double weight = (double)samples->weight[i];
+        double weight = (double)samples->weight[i], light[3], own[3] = {0, 0, 0};
         if (item[i] < 0) {
-            double radiance[3] = {0};
-            if (sky && self->panes.count > 0)
-                weight *= panes_transmit_from_afar(&self->panes, view->eye, in_building(view, w));
-            if (sky) daylight_radiance(&self->scene.solution->day, in_building(view, w), radiance);
-            for (int c = 0; c < 3; c++) irradiance[c] += weight * M_PI * radiance[c];
+            if (sky) add_sky_sample(self, view, in_building(view, w), weight, to);
             continue;
         }
         const ViewFace *face = &view->faces[item[i]];
         double along = vec3_dot(face->n, w);
-        if (face->d > 0 || !(along < 0)) continue;
+        if (face->d > 0 || !(along < 0)) backs += weight;
+        if (face->d > 0 || !(along < 0) || (!means && !self->scene.light)) continue;
         w = vec3_scale(w, face->d / along);
         Vec3 p = vec3_add(view->eye, in_building(view, w));
         int element = mesh_element_at(self->scene.mesh, face->face, p);
         if (self->panes.count > 0) weight *= panes_transmit(&self->panes, view->eye, p);
-        if (put_near(self, element, weight, means, near, irradiance)) continue;
+        if (put_near(self, element, weight, means, near, to)) continue;
         const Leaving *from = &self->leaving[element];
         for (int c = 0; c < 3; c++) {
-            double b = vec3_dot(from->slope[c], p) - from->offset[c] + (means ? from->mean[c] : 0);
-            irradiance[c] += weight * b;
+            light[c] = weight * (vec3_dot(from->slope[c], p) - from->offset[c] + (means ? from->mean[c] : 0));
+            if (self->own) own[c] = weight * self->own[element][c];
         }
+        arrive(light, own, passes_black(self, view, p, element), to);
     }
+    if (inside) *inside = backs;
 }
 
-void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
+void gather_apart(Gatherer *self, const ViewPoint *from, double irradiance[3], double own[3],
+                  double *inside) {
     // Lamps and the sun ask for all faces, samples for those that they may see.
     bool one = self->samples == self->rows, few = (one || !self->samples) && self->options.reflected;
     const View *view = few ? form_factor_look(self->rows, self->viewer, from, self->options.culling)
                            : viewer_look(self->viewer, from, self->options.culling);
     Near near = {0};
-    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    Arriving light = {{0}, {0}};
     Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
     panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, &self->panes);
+    self->cell = from->cell;
+    if (self->own) panes_seen(self->closed, self->scene.forest, from->cell, before, &self->black);
     if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
-    if (self->any_lamp) add_lamps(self, view, irradiance);
-    if (!self->options.reflected) add_sun(view, &self->panes, &self->scene.solution->day, irradiance);
-    if (!one) gather_row(self, view, &near, irradiance);
-    if (self->samples) add_samples(self, view, one, &near, irradiance);
-    add_near(self, &near, irradiance);
+    if (self->any_lamp) add_lamps(self, view, &light);
+    if (!self->options.reflected) add_sun(self, view, &light);
+    if (!one) gather_row(self, view, &near, &light, inside);
+    if (self->samples) add_samples(self, view, one, &near, &light, one ? inside : NULL);
+    add_near(self, &near, &light);
     // Samples may sum slopes to less than nothing beside exact means and exact lamps.
-    for (int c = 0; c < 3; c++) irradiance[c] = fmax(irradiance[c], 0);
+    for (int c = 0; c < 3; c++) irradiance[c] = fmax(light.all[c], 0);
+    for (int c = 0; c < 3 && own; c++) own[c] = fmax(light.own[c], 0);
+}
+
+void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
+    gather_apart(self, from, irradiance, NULL, NULL);
 }
 
 GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {

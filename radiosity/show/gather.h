@@ -41,10 +41,17 @@ typedef struct GatherScene {
 typedef struct Gatherer Gatherer;
 // All memory is taken here; the data that `scene` points to must outlive it.
 Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena);
+// For gather_apart, too: `own` is the light of the mesh with its rooms closed, by the panes `closed` (panes_between_rooms). Without slopes
+// and walks.
+Gatherer *gatherer_new_apart(const GatherScene *scene, const GatherOptions *options, const RadSolution *own,
+                             const Panes *closed, Arena *arena);
 // Frees the memory outside the arena.
 void gatherer_end(Gatherer *self);
 // The irradiance at a point, W/m^2 a channel. Allocates nothing.
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]);
+// The same, and the part of it that is there with all rooms closed: light of `own`, past none of the black panes. `inside` (or NULL) is
+// the share of the view that meets backs: nearly 1 inside closed things.
+void gather_apart(Gatherer *self, const ViewPoint *from, double irradiance[3], double own[3], double *inside);
 
 // The light at a point as a sum over a solution's elements, for points whose light is looked for under one state of the lamps after the
 // other. Shares are those of `gather`, panes of glass included.

@@ -27,7 +27,7 @@ done
 expect 2 "$program" info && says err '--help'
 expect 2 "$program" info --nonsense $maps/two-rooms.plan && says err '`--nonsense`'
 expect 2 "$program" vis --threads 0 $maps/two-rooms.plan && says err 'allowed 1 to 256'
-for command in info vis plan walk bake render "bench walk"; do
+for command in info vis plan walk bake light render "bench walk"; do
     for wrong in 15 1000001 12x ''; do
         expect 2 "$program" $command $maps/two-rooms.plan --memory "$wrong" && says err "allowed 16 to 1000000"
     done
@@ -54,6 +54,14 @@ expect 2 "$program" bench walk --steps 3 && says err 'no option `--steps`'
 expect 2 "$program" bench formfactors --cullings most && says err '`most`'
 expect 2 "$program" bench formfactors --resolutions 100,7 && says err '`100,7`'
 expect 2 "$program" bake && says err 'one building file'
+expect 2 "$program" light && says err 'one building file'
+expect 2 "$program" light --plane -1 $maps/two-rooms.plan && says err 'allowed 0 to 100'
+expect 2 "$program" light --sky blue $maps/two-rooms.plan && says err 'allowed overcast, uniform, none'
+expect 2 "$program" light --outside 0 $maps/two-rooms.plan && says err 'allowed 1 to 200000'
+expect 2 "$program" light --svg x.png $maps/two-rooms.plan && says err 'svg'
+expect 1 "$program" light --plane 50 $maps/two-rooms.plan && says err 'no room is higher than the working plane, 50 m'
+expect 1 "$program" light --lamps off --sky none $maps/two-rooms.plan && says err 'all lamps are off, and there is no sky'
+expect 1 "$program" light tests/seeds/two-cells.prt && says err 'no rooms are told apart'
 expect 2 "$program" bake --method nonsense $maps/two-rooms.plan && says err '`nonsense`'
 expect 2 "$program" bake --resolution 7 $maps/two-rooms.plan && says err 'allowed 8 to 2000'
 expect 2 "$program" bake --element 0 $maps/two-rooms.plan && says err 'allowed 0.01 to 100'

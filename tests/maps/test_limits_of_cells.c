@@ -31,8 +31,9 @@ Test(limits, of_cells, .timeout = 120) {
     Arena arena = {0};
     Building b = {.form = FORM_REGIONS, .source = "rows.plan"};
     add_room(&arena, &b, (Vec2[4]){{0, 0}, {4, 0}, {4, 3}, {0, 3}});
+    const Region room = b.regions[0];
     for (int i = 0; i < MAPS_MAX_CELLS; i++)
-        *ARENA_PUSH(&arena, b.regions, b.region_count, b.region_capacity) = b.regions[0];
+        *ARENA_PUSH(&arena, b.regions, b.region_count, b.region_capacity) = room;
     CellGraph graph;
     Error error;
     VisOptions options = vis_default_options();

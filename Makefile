@@ -10,11 +10,12 @@ bench ?= walk
 folder ?= maps
 suites ?= */*
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
+scale := $(foreach n,10 100 1000 10000,build/maps/campus-$(n).plan)
 rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
 lit := build/maps/office-plain.plan build/maps/house.plan
-files ?= $(if $(filter rooms,$(bench)),$(rooms),$(if $(filter light meshes,$(bench)),$(lit),\
+files ?= $(if $(filter rooms,$(bench)),$(rooms),$(if $(filter scale,$(bench)),$(scale),$(if $(filter light meshes,$(bench)),$(lit),\
          $(if $(filter narrow,$(bench)),$(sort $(wildcard tests/narrow/*.plan)),\
-         $(filter %.plan,$(if $(filter radiosity,$(bench)),$(filter build/maps/office%,$(maps)),$(maps))))))
+         $(filter %.plan,$(if $(filter radiosity,$(bench)),$(filter build/maps/office%,$(maps)),$(maps)))))))
 peer ?=
 ifeq ($(origin CC),default)
 CC := gcc

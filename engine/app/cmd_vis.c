@@ -62,6 +62,11 @@ static bool run_pairs(const VisPairsArguments *a, Arena *arena, Outcome *o, Erro
     if (!app_check_files(&a->out, 1, read, 2, &load, error) ||
         !scene_load_cells(a->file, &load, arena, &o->scene, error))
         return false;
+    if (o->scene.graph.cell_count > MAPS_MAX_GIVEN_CELLS)
+        return error_set(
+            error,
+            "%s: has %d cells (allowed with --pairs-method: %d, as many as a matrix of pairs has room for)",
+            a->file, o->scene.graph.cell_count, MAPS_MAX_GIVEN_CELLS);
     // Before the work: a file that cannot be used is better known at once.
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
     memory_set_stage("finding which cells see each other");

@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/bench/apart.h"
 #include "engine/bench/bench.h"
 #include "engine/bench/peer.h"
 #include "engine/core/clock.h"
@@ -122,48 +123,6 @@ static bool run_compiler(const char *folder, void *context, Arena *arena, Error 
            file_write(path, level.data, level.size, error) &&
            peer_run(words, folder, arena, &out->usage, error) &&
            bsp29_read_seen(path, out->cell_count, arena, &out->seen, error);
-}
-
-// Time and memory that this process used so far.
-typedef struct ApartUsage {
-    double cpu_seconds;  // of all its threads
-    double peak_mb;
-} ApartUsage;
-
-// Returns zeroed memory that this process and the one of apart_run both see. Exits when there is none.
-static void *apart_memory(size_t size) {
-    void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory != MAP_FAILED) return memory;
-    memory_end(size);
-}
-
-static void apart_memory_free(void *memory, size_t size) { munmap(memory, size); }
-
-// Runs `work` in a copy of this process and waits for its end; only results in shared memory come back. This process must
-// not have run threads before: they would be missing in the copy. `what` is the name of the work in messages.
-static bool apart_run(void (*work)(void *context), void *context, const char *what, Error *error) {
-    fflush(NULL);  // or the copy would write it again
-    pid_t child = fork();
-    if (child < 0) return error_set(error, "%s: no process can be started: %s", what, strerror(errno));
-    if (child == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it then
-        work(context);
-        _exit(0);
-    }
-    int status;
-    while (waitpid(child, &status, 0) < 0) {
-        if (errno != EINTR) return error_set(error, "%s: its process is lost: %s", what, strerror(errno));
-    }
-    if (WIFSIGNALED(status)) return error_set(error, "%s: ended by signal %d", what, WTERMSIG(status));
-    return WEXITSTATUS(status) == 0 || error_set(error, "%s: exit status %d", what, WEXITSTATUS(status));
-}
-
-static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
-
-static ApartUsage apart_usage(void) {
-    struct rusage used;
-    getrusage(RUSAGE_SELF, &used);
-    return (ApartUsage){seconds(used.ru_utime) + seconds(used.ru_stime), (double)used.ru_maxrss / 1024};
 }
 
 enum { MOST_METHODS = 32, FIGURES = 17 };

@@ -358,8 +358,11 @@ enum { LEAF_CORNERS = 32 };
 bool maps_portal_is_thin(const Vec3 *corners, int count);
 // Coordinates beyond this are refused, metres: up to here the grid is exact in doubles, and georeferenced plans fit.
 #define MAPS_LIMIT 1e8
-// The most cells of free space: which cell sees which is a table with a bit for each pair, then half a gigabyte.
-#define MAPS_MAX_CELLS (1 << 16)
+// The most cells of free space: what is kept for each, a kilobyte and more, is some gigabytes then.
+#define MAPS_MAX_CELLS (1 << 22)
+// Where cells are given by a file, whose lists and rows name all of them: as many as levels of games can have. Of so many, a table with
+// a bit for each pair is half a gigabyte.
+#define MAPS_MAX_GIVEN_CELLS (1 << 16)
 // How far the outdoors reaches beyond everything built, metres.
 #define MAPS_OUTDOORS 20.0
 

@@ -138,7 +138,7 @@ static bool read_head(Scan *t, Building *b, PrtKind *kind, PrtLeaves *leaves, Er
     t->at += strlen(NAMES[*kind]);
     static const char LEAVES[] = "the number of leaves";
     if (*kind == PRT2 && !read_head_count(t, LEAVES, 1, MAX_LEAVES, &leaves->count, error)) return false;
-    if (!read_head_count(t, "the number of cells", 1, MAPS_MAX_CELLS, &b->given_cell_count, error) ||
+    if (!read_head_count(t, "the number of cells", 1, MAPS_MAX_GIVEN_CELLS, &b->given_cell_count, error) ||
         !read_head_count(t, "the number of portals", 0, MAX_PORTALS, &b->given_portal_count, error))
         return false;
     if (*kind == PRT1) leaves->count = b->given_cell_count;

@@ -65,10 +65,10 @@ bool quake_cells(const QuakeLevel *level, const QuakePortals *portals, Arena *ar
                         .cell_of_leaf = ARENA_ARRAY(arena, int, level->leaf_count)};
     if (!portals->file) {
         cells_of_leaves(level, out);
-        if (out->building.given_cell_count > MAPS_MAX_CELLS) {
+        if (out->building.given_cell_count > MAPS_MAX_GIVEN_CELLS) {
             return error_set(
                 error, "%s: has %d leaves that may see (allowed: %d; a portal file with clusters has fewer)",
-                level->path, out->building.given_cell_count, MAPS_MAX_CELLS);
+                level->path, out->building.given_cell_count, MAPS_MAX_GIVEN_CELLS);
         }
         if (!quake_make_portals(level, portals->clear_water, arena, out, error)) return false;
     } else {

@@ -208,10 +208,10 @@ static bool read_leaves(QuakeLevel *level, Arena *arena, Error *error) {
     for (int i = 0; i < level->leaf_count; i++) {
         if (!read_leaf(level, i, error)) return false;
     }
-    if (level->cluster_count < 1 || level->cluster_count > MAPS_MAX_CELLS) {
+    if (level->cluster_count < 1 || level->cluster_count > MAPS_MAX_GIVEN_CELLS) {
         return error_set(error, "%s: has %d %s that may see (allowed 1 to %d)", level->path,
                          level->cluster_count, level->format == QUAKE_IBSP38 ? "clusters" : "leaves",
-                         MAPS_MAX_CELLS);
+                         MAPS_MAX_GIVEN_CELLS);
     }
     return true;
 }

@@ -246,3 +246,37 @@ Test(cells, walls_look_as_their_storeys) {
     cr_expect_geq(seen, 4, "%d bands", seen);
     arena_free(&arena);
 }
+
+// A room with so many openings along one side that its cell is cut. Proves that no part is flat: a flat cell hides what lies beyond it.
+Test(cells, of_a_long_corridor_have_an_area) {
+    enum { DOORS = 90 };
+    Arena arena = {0};
+    Building b;
+    CellGraph graph;
+    Error error;
+    VisOptions options = vis_default_options();
+    const char *path = arena_format(&arena, "%s/corridor.plan", support_folder(&arena));
+    FILE *file = fopen(path, "w");
+    cr_assert(file);
+    fprintf(file,
+            "plan 1\nmaterial m #808080\nstorey s floor 0 height 2.6\nroom c 0,0 %d,0 %d,2 0,2 wall 0.1\n",
+            2 * DOORS, 2 * DOORS);
+    fprintf(file, "room d 0,2.1 %d,2.1 %d,5 0,5 wall 0.1\n", 2 * DOORS, 2 * DOORS);
+    for (int i = 0; i < DOORS; i++) fprintf(file, "passage p%d %d,2.05 width 1 height 2\n", i, 2 * i + 1);
+    cr_assert_eq(fclose(file), 0);
+    cr_assert(maps_read(path, &arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, &arena, &graph, &error), "%s", error.text);
+    double sum = 0;
+    for (int c = 0; c < graph.cell_count; c++) {
+        double twice = 0;
+        const Cell *cell = &graph.cells[c];
+        for (int i = 0; i < cell->edge_count; i++)
+            twice += vec2_cross(graph.plan[cell->first_edge + i],
+                                graph.plan[cell->first_edge + (i + 1) % cell->edge_count]);
+        cr_expect_gt(twice / 2, 1e-3, "cell %d has %g m^2", c, twice / 2);
+        sum += twice / 2;
+    }
+    // Tolerance: rounding of a sum of hundreds of square metres.
+    cr_expect_float_eq(sum, 2 * DOORS * (2 + 2.9) + DOORS * 0.1, 1e-6, "%g m^2", sum);
+    arena_free(&arena);
+}

@@ -110,6 +110,13 @@ static void add_whole(CellBuilder *builder, int region, int *capacity) {
     add_cell_piece(builder, region, vertex, ring.point_count, capacity);
 }
 
+static bool few_enough(const CellBuilder *builder, Error *error) {
+    const char *source = builder->building->source;
+    return builder->graph->cell_count <= MAPS_MAX_CELLS ||
+           error_set(error, "%s: its rooms make more than %d convex cells", source ? source : "building",
+                     MAPS_MAX_CELLS);
+}
+
 static bool make_cells(CellBuilder *builder, Error *error) {
     const Building *b = builder->building;
     int capacity = 0;
@@ -117,6 +124,7 @@ static bool make_cells(CellBuilder *builder, Error *error) {
     for (int r = 0; r < b->region_count; r++) {
         const Region *region = &b->regions[r];
         if (!memory_within(error)) return false;
+        if (!few_enough(builder, error)) return false;
         if (region_is_convex(b, region)) {
             add_whole(builder, r, &capacity);
             continue;
@@ -141,10 +149,7 @@ static bool make_cells(CellBuilder *builder, Error *error) {
     }
     const char *source = b->source ? b->source : "building";
     if (builder->graph->cell_count == 0) return error_set(error, "%s: has no free space to walk in", source);
-    if (builder->graph->cell_count > MAPS_MAX_CELLS)
-        return error_set(error, "%s: its rooms make %d convex cells (allowed: %d)", source,
-                         builder->graph->cell_count, MAPS_MAX_CELLS);
-    return true;
+    return few_enough(builder, error);
 }
 
 bool build_regions(CellBuilder *builder, Error *error) {

@@ -169,12 +169,30 @@ static bool search_group(Search *s, const int *group, int count, ChainWork *work
     rounds.ways.scale *= (double)count / s->graph->cell_count;
     load(s, &window, &rounds);
     rounds_agree(&rounds);
+    // A proof goes before an exclusion elsewhere, which rounding may have caused.
+    for (size_t i = 0; i < (size_t)set.cell_count * (size_t)set.words; i++) set.seen[i] |= set.proven[i];
     proof_search(&rounds, false);
     store(s, &window, &set);
     chain_work_add(work, set.work);
     window_leave(&window, s->place);
     arena_free(&scratch);
     return !set.stopped;
+}
+
+// Proven pairs are seen from both ends, whatever the group of one of them excluded.
+static void keep_proofs(Search *s) {
+    for (int c = 0; c < s->seen.cell_count; c++) {
+        int count = cell_rows_list(&s->proven, c, s->list);
+        for (int i = 0; i < count; i++) {
+            int other = s->list[i];
+            if (cell_rows_has(&s->seen, other, c)) continue;
+            int *row = ARENA_ARRAY(s->rows, int, cell_rows_size(&s->seen, other) + 1),
+                seen = cell_rows_list(&s->seen, other, row);
+            row[seen] = c;
+            qsort(row, (size_t)seen + 1, sizeof *row, by_number);
+            cell_rows_set_list(&s->seen, other, row, seen + 1, s->rows);
+        }
+    }
 }
 
 // Pairs may be proven from one end alone.
@@ -217,6 +235,7 @@ static bool search_groups(const CellGraph *graph, const Bounds *bounds, const Pa
         out->stopped =
             !search_group(&s, first, groups.first[s.group + 1] - groups.first[s.group], &out->work);
     }
+    keep_proofs(&s);
     cell_rows_make_symmetric(&s.seen, &scratch);
     out->undecided = count_undecided(&s);
     out->seen = cell_rows_copy(&s.seen, arena);
@@ -224,8 +243,9 @@ static bool search_groups(const CellGraph *graph, const Bounds *bounds, const Pa
     return true;
 }
 
-bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
-                  CampusPairs *out) {
+// False where windows do not pay, or progress asked to stop before the bounds were there.
+static bool in_windows(const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                       Arena *arena, CampusPairs *out) {
     Arena scratch = {0};
     *out = (CampusPairs){.stopped = false};
     Bounds b = {.threads = parallel_threads(options->threads)};
@@ -245,4 +265,30 @@ bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Prog
     for (int i = 0; i < b.threads; i++) arena_free(&b.own[i]);
     arena_free(&scratch);
     return good;
+}
+
+static void in_matrix(const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                      Arena *arena, CampusPairs *out) {
+    Arena scratch = {0};
+    PairSet set;
+    pair_method_finest()->find(graph, options, progress, &scratch, &set);
+    *out = (CampusPairs){.seen = cell_rows_of_matrix(set.seen, set.cell_count, arena),
+                         .undecided = pair_count(set.seen, set.cell_count, set.words) -
+                                      pair_count(set.proven, set.cell_count, set.words),
+                         .work = set.work,
+                         .stopped = set.stopped};
+    arena_free(&scratch);
+}
+
+bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
+                  CampusPairs *out) {
+    // Levels of games and portal files are more open than buildings: there the bounds would be made in vain.
+    bool many = graph->cell_count > VIS_MANY_CELLS,
+         rooms = graph->building->form == FORM_REGIONS && !graph->building->map;
+    if (many || (rooms && graph->cell_count > WINDOW_LEAST)) {
+        if (in_windows(graph, options, progress, arena, out)) return true;
+        if (many) return false;
+    }
+    in_matrix(graph, options, progress, arena, out);
+    return true;
 }

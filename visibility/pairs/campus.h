@@ -11,8 +11,9 @@ typedef struct CampusPairs {
     bool stopped;  // progress asked to stop: `seen` holds the pairs not excluded until then
 } CampusPairs;
 
-// What the method `proof` finds, group of cells by group. False, without a result, where the building is so open that most cells see
-// hundreds of others and the first bounds take too long, or when progress asked to stop before these were there.
+// What the method `proof` finds: of a large building group of cells by group, else in one matrix. False, without a result, where the
+// building has more than VIS_MANY_CELLS and is so open that windows do not pay (window.h), or progress asked to stop before that was
+// known.
 bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
                   CampusPairs *out);
 

@@ -45,7 +45,7 @@ bool seen_parse(const char *path, Bytes content, int cell_count, Arena *arena, u
 bool seen_read(const char *path, int cell_count, Arena *arena, uint64_t **rows, Error *error) {
     Arena scratch = {0};
     Bytes content;
-    bool good = file_read(path, file_size(MAPS_MAX_CELLS), &scratch, &content, error) &&
+    bool good = file_read(path, file_size(MAPS_MAX_GIVEN_CELLS), &scratch, &content, error) &&
                 seen_parse(path, content, cell_count, arena, rows, error);
     arena_free(&scratch);
     return good;

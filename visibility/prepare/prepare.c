@@ -6,33 +6,9 @@
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
 #include "visibility/pairs/campus.h"
-#include "visibility/window.h"
 
 VisPrepareOptions vis_prepare_default_options(void) {
     return (VisPrepareOptions){.vis = vis_default_options()};
-}
-
-// Which cells see each other: cell by cell in one matrix, or of many cells group by group. Of a building of more than VIS_MANY_CELLS
-// that is too open for groups nothing is found.
-static bool find_pairs(const CellGraph *graph, const VisPrepareOptions *options, const Progress *progress,
-                       Arena *arena, CampusPairs *out) {
-    PairOptions pairs = {.threads = options->vis.threads};
-    memory_set_stage("finding which cells see each other");
-    bool many = graph->cell_count > VIS_MANY_CELLS, rooms = graph->building->form == FORM_REGIONS && !graph->building->map;
-    if ((many || (rooms && graph->cell_count > WINDOW_LEAST)) &&
-        campus_pairs(graph, &pairs, progress, arena, out))
-        return true;
-    if (many) return false;
-    Arena scratch = {0};
-    PairSet set;
-    pair_method_finest()->find(graph, &pairs, progress, &scratch, &set);
-    *out = (CampusPairs){.seen = cell_rows_of_matrix(set.seen, set.cell_count, arena),
-                         .undecided = pair_count(set.seen, set.cell_count, set.words) -
-                                      pair_count(set.proven, set.cell_count, set.words),
-                         .work = set.work,
-                         .stopped = set.stopped};
-    arena_free(&scratch);
-    return true;
 }
 
 // Stopped on the way, trees are roots alone, and visible sets hold all pairs that were not excluded.
@@ -41,7 +17,9 @@ static void make_forest(const VisPrepareOptions *options, const Progress *progre
     Arena scratch = {0};
     CampusPairs pairs = {.stopped = false};
     VisOptions vis = options->vis;
-    bool known = find_pairs(&out->graph, options, progress, &scratch, &pairs);
+    memory_set_stage("finding which cells see each other");
+    PairOptions pair_options = {.threads = vis.threads};
+    bool known = campus_pairs(&out->graph, &pair_options, progress, &scratch, &pairs);
     if (known) vis.known = &pairs.seen;
     memory_set_stage("making stab trees");
     out->stopped = pairs.stopped || !vis_build_forest(&out->graph, &vis, progress, arena, &out->forest);

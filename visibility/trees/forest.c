@@ -82,7 +82,7 @@ static GridWay plan_way(const CellGraph *graph, const WayGraph *ways, int way) {
 
 // In large buildings each tree may have its share of MOST_NODES only, or as many as a tree of rooms has.
 static int tree_limit(const VisOptions *options, int cell_count) {
-    enum { MOST_NODES = 8 << 20, OF_ROOMS = 256 };  // 128 MB
+    enum { MOST_NODES = 8 << 20, OF_ROOMS = 1024 };  // 128 MB
     int share = MOST_NODES / (cell_count > 0 ? cell_count : 1);
     if (share < OF_ROOMS) share = OF_ROOMS;
     return options->max_nodes < share ? options->max_nodes : share;

@@ -403,7 +403,8 @@ static void add_inner_faces(IfcPlan *p, const IfcRoom *room) {
         if (!begun) building_add_object(p->arena, p->b, OBJECT_LOW_WALL, "sloped ceiling");
         begun = true;
         Vec3 *turned = ARENA_ARRAY(&p->scratch, Vec3, n);
-        for (int k = 0; k < n; k++) turned[k] = c[n - 1 - k];
+        // Before the roof's own underside, which lies in the same plane.
+        for (int k = 0; k < n; k++) turned[k] = vec3_sub(c[n - 1 - k], vec3_scale(plane.n, EDGE));
         building_add_polygon(p->arena, p->b, turned, n,
                              floor     ? p->floor_material
                              : ceiling ? p->ceiling_material
@@ -691,6 +692,7 @@ static double ceiling_over(const IfcPlan *p, Box stair, double z) {
 // Stairs that lead up to a floor need a hole in it, whether the slab has one or not: over all steps on which a person meets the ceiling.
 static void cut_for_stairs(IfcPlan *p, int storey) {
     const IfcModel *m = p->model;
+    SolidOutlines all = {NULL, 0, 0};
     double floor = p->b->storeys[storey].floor;
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
@@ -699,11 +701,13 @@ static void cut_for_stairs(IfcPlan *p, int storey) {
         if (stair.max.z < floor - STEP || stair.min.z > floor - 1) continue;
         double from = fmax(ceiling_over(p, stair, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
         // The last step may be level with the floor, or the floor itself.
-        if (from >= fmin(it->box.max.z, floor - 0.05)) continue;
+        if (from >= fmin(it->box.max.z, floor - LEAST_SLAB)) continue;
         trace_mesh(p, &it->mesh);
-        SolidOutlines steps = solid_cover(p->tracer, from, fmin(it->box.max.z, floor - 0.05));
-        add_cutouts(p, storey, &steps, NULL, ifc_place(p, i));
+        SolidOutlines steps = solid_cover(p->tracer, from, fmin(it->box.max.z, floor - LEAST_SLAB));
+        append_all(p, &all, &steps);
     }
+    SolidOutlines holes = solid_union(p->tracer, &all);
+    add_cutouts(p, storey, &holes, NULL, "hole for a stair");
 }
 
 static void cut_floors(IfcPlan *p) {

@@ -347,7 +347,7 @@ static bool combine(Cutter *c, ShapeBoolean operation, Body *a, Body *tools, int
     for (int i = 0; i < a->shape->face_count; i++) {
         Pieces list = {0};
         push_piece(c->arena, &list, a->pieces[i], 0);
-        bool ignored;
+        bool ignored = false;
         for (int k = 0; k < tool_count && list.count; k++) {
             bool meets = box_overlap(tools[k].box, a->boxes[i]);
             if (!meets) {

@@ -10,8 +10,10 @@
 #include "engine/core/parallel.h"
 #include "maps/ifc/ifc_file.h"
 
-// Products beyond this from the origin of the file are moved near, metres.
+// Models farther than this from the origin of the file are moved near it, metres.
 #define FAR_AWAY 10000.0
+// Products with coordinates beyond this are left out, metres: no country has such.
+#define FARTHEST 1e8
 
 bool ifc_recognise(Bytes content) {
     const unsigned char *p = content.data, *end = p + content.size;
@@ -31,7 +33,7 @@ typedef struct Found {
     IfcFootprint *footprints;
     IfcRing *rings;
     Vec2 *points;
-    int footprint_count, ring_count, point_count, footprint_room, ring_room, point_room;
+    int footprint_count, ring_count, point_count;
 } Found;
 
 typedef struct Work {
@@ -44,31 +46,32 @@ typedef struct Work {
 
 // ---- representations
 
+static bool is_one_of(const Reader *r, const StepValue *text, const char *const *names, int count) {
+    for (int i = 0; i < count; i++)
+        if (text->size == strlen(names[i]) && memcmp(r->file->step.text + text->at, names[i], text->size) == 0) return true;
+    return false;
+}
+
 // How well a representation shows the body: 2 the body itself, 1 another form of it, 0 a drawing.
-static int body_rank(Reader *r, const StepValue *identifier, const StepValue *type) {
-    const char *id = step_string(&r->file->step, identifier, &r->scratch),
-               *kind = step_string(&r->file->step, type, &r->scratch);
-    static const char *const OTHERS[] = {"Facetation", "Mesh", "Tessellation", "Body-Fallback", "Surface"};
-    static const char *const KINDS[] = {"SweptSolid",   "Brep",       "AdvancedBrep",
-                                        "CSG",          "Clipping",   "MappedRepresentation",
-                                        "SurfaceModel", "SolidModel", "AdvancedSweptSolid",
-                                        "Tessellation", "Surface3D",  "SurfaceOrSolidModel"};
-    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile",   "Box",      "Annotation",
-                                           "Plan", "CoG",       "Clearance", "Lighting", "Reference"};
-    if (strcmp(id, "Body") == 0) return 2;
-    for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
-        if (strcmp(id, OTHERS[i]) == 0) return 1;
-    for (size_t i = 0; i < sizeof DRAWINGS / sizeof *DRAWINGS; i++)
-        if (strcmp(id, DRAWINGS[i]) == 0) return 0;
-    for (size_t i = 0; i < sizeof KINDS / sizeof *KINDS; i++)
-        if (strcmp(kind, KINDS[i]) == 0) return 1;
-    return 0;
+static int body_rank(const Reader *r, const StepValue *identifier, const StepValue *type) {
+    static const char *const BODY[] = {"Body"}, *const OTHERS[] = {"Facetation", "Mesh", "Tessellation", "Body-Fallback", "Surface"};
+    static const char *const KINDS[] = {"SweptSolid", "Brep", "AdvancedBrep", "CSG", "Clipping", "MappedRepresentation", "SurfaceModel",
+                                        "SolidModel", "AdvancedSweptSolid", "Tessellation", "Surface3D", "SurfaceOrSolidModel"};
+    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile", "Box", "Annotation", "Plan", "CoG", "Clearance", "Lighting",
+                                           "Reference"};
+    enum { OTHER_COUNT = sizeof OTHERS / sizeof *OTHERS, KIND_COUNT = sizeof KINDS / sizeof *KINDS };
+    enum { DRAWING_COUNT = sizeof DRAWINGS / sizeof *DRAWINGS };
+    if (identifier->kind == STEP_STRING) {
+        if (is_one_of(r, identifier, BODY, 1)) return 2;
+        if (is_one_of(r, identifier, OTHERS, OTHER_COUNT)) return 1;
+        if (is_one_of(r, identifier, DRAWINGS, DRAWING_COUNT)) return 0;
+    }
+    return type->kind == STEP_STRING && is_one_of(r, type, KINDS, KIND_COUNT);
 }
 
 // The items of a product's body, in its own frame.
 static void read_body(Reader *r, int record, Body *out) {
     StepValue v[7], list[3], s[4];
-    Frame identity = frame_identity();
     ifc_arguments(r, record, v, 7);
     if (ifc_type(r, v[6].record) != T_PRODUCTDEFINITIONSHAPE || !ifc_arguments(r, v[6].record, list, 3))
         return;
@@ -77,7 +80,7 @@ static void read_body(Reader *r, int record, Body *out) {
         for (StepValue rep = step_next(&c); rep.kind != STEP_END; rep = step_next(&c)) {
             if (ifc_type(r, rep.record) != T_SHAPEREPRESENTATION || !ifc_arguments(r, rep.record, s, 4))
                 continue;
-            if (body_rank(r, &s[1], &s[2]) == rank) ifc_representation(r, rep.record, &identity, -1, out);
+            if (body_rank(r, &s[1], &s[2]) == rank) ifc_representation(r, rep.record, NULL, -1, out);
             // One form of a body that has several is enough.
             if (rank == 1 && out->count > 0) break;
         }
@@ -121,10 +124,9 @@ static void read_map(void *context, int index, int thread) {
     Reader *r = &maps->work->readers[thread];
     StepValue m[2];
     Body body = {0};
-    Frame identity = frame_identity();
     r->product = -1;
     ifc_arguments(r, maps->work->file->maps.pair[index].key, m, 2);
-    ifc_representation(r, m[1].record, &identity, -1, &body);
+    ifc_representation(r, m[1].record, NULL, -1, &body);
     copy_body(&maps->arenas[thread], &body, &maps->bodies[index]);
     arena_reset(&r->scratch);
 }
@@ -183,34 +185,54 @@ static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int lo
     }
 }
 
-// Keeps the prism if it is upright in the model.
-static void find_footprint(Reader *r, const Prism *prism, const Frame *frame, Found *found) {
+// Is a prism upright in the model? Writes its corners there.
+static bool is_upright(Reader *r, const Prism *prism, const Frame *frame, int total, Vec3 **corners) {
     Vec3 sweep = frame_turn(frame, prism->sweep);
-    if (prism->ring_count == 0 || hypot(sweep.x, sweep.y) > 1e-6 * fabs(sweep.z)) return;
-    int total = 0;
-    for (int i = 0; i < prism->ring_count; i++) total += prism->size[i];
-    Vec3 *points = ARENA_ARRAY(&r->scratch, Vec3, total);
+    if (prism->ring_count == 0 || !(hypot(sweep.x, sweep.y) <= 1e-6 * fabs(sweep.z))) return false;
+    *corners = ARENA_ARRAY(&r->scratch, Vec3, total);
     for (int i = 0; i < total; i++) {
-        points[i] = frame_point(frame, prism->corners[i]);
-        if (fabs(points[i].z - points[0].z) > SHAPE_EPSILON) return;
+        (*corners)[i] = frame_point(frame, prism->corners[i]);
+        if (!(fabs((*corners)[i].z - (*corners)[0].z) <= SHAPE_EPSILON)) return false;
     }
-    double base = points[0].z, top = base + sweep.z;
-    *ARENA_PUSH(&r->kept, found->footprints, found->footprint_count, found->footprint_room) = (IfcFootprint){
-        found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
-    for (int i = 0, first = 0; i < prism->ring_count; first += prism->size[i], i++) {
-        int count = prism->size[i];
-        double twice = 0;
-        for (int k = 0; k < count; k++) {
-            Vec3 a = vec3_sub(points[first + k], points[first]),
-                 b = vec3_sub(points[first + (k + 1) % count], points[first]);
-            twice += a.x * b.y - a.y * b.x;
-        }
-        bool turn = (twice > 0) == (i > 0);
-        *ARENA_PUSH(&r->kept, found->rings, found->ring_count, found->ring_room) =
-            (IfcRing){found->point_count, count};
-        for (int k = 0; k < count; k++) {
-            Vec3 p = points[first + (turn ? count - 1 - k : k)];
-            *ARENA_PUSH(&r->kept, found->points, found->point_count, found->point_room) = vec2(p.x, p.y);
+    return true;
+}
+
+// Keeps the upright prisms of a body.
+static void find_footprints(Reader *r, const Body *body, const Frame *frame, Found *found) {
+    int rings = 0, points = 0, total;
+    for (int i = 0; i < body->count; i++) {
+        rings += body->items[i].prism.ring_count;
+        for (int k = 0; k < body->items[i].prism.ring_count; k++) points += body->items[i].prism.size[k];
+    }
+    if (rings == 0) return;
+    // Exactly as much as needed: there may be millions.
+    size_t head = (size_t)body->count * sizeof(IfcFootprint), middle = (size_t)rings * sizeof(IfcRing);
+    char *memory = arena_alloc(&r->kept, head + middle + (size_t)points * sizeof(Vec2), 1);
+    found->footprints = (IfcFootprint *)memory;
+    found->points = (Vec2 *)(memory + head);
+    found->rings = (IfcRing *)(memory + head + (size_t)points * sizeof(Vec2));
+    for (int i = 0; i < body->count; i++) {
+        const Prism *prism = &body->items[i].prism;
+        Vec3 *corners;
+        total = 0;
+        for (int k = 0; k < prism->ring_count; k++) total += prism->size[k];
+        if (!is_upright(r, prism, frame, total, &corners)) continue;
+        double base = corners[0].z, top = base + frame_turn(frame, prism->sweep).z;
+        found->footprints[found->footprint_count++] =
+            (IfcFootprint){found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
+        for (int ring = 0, first = 0; ring < prism->ring_count; first += prism->size[ring], ring++) {
+            int count = prism->size[ring];
+            double twice = 0;
+            for (int k = 0; k < count; k++) {
+                Vec3 a = vec3_sub(corners[first + k], corners[first]), b = vec3_sub(corners[first + (k + 1) % count], corners[first]);
+                twice += a.x * b.y - a.y * b.x;
+            }
+            bool turn = (twice > 0) == (ring > 0);
+            found->rings[found->ring_count++] = (IfcRing){found->point_count, count};
+            for (int k = 0; k < count; k++) {
+                Vec3 p = corners[first + (turn ? count - 1 - k : k)];
+                found->points[found->point_count++] = vec2(p.x, p.y);
+            }
         }
     }
 }
@@ -254,6 +276,24 @@ static void cut_openings(Reader *r, const Work *work, int product, const Body *b
     }
 }
 
+// Are all corners of a mesh at places that can be?
+static bool is_near(const IfcMesh *mesh) {
+    double farthest = 0;
+    for (int i = 0; i < mesh->corner_count; i++) {
+        Vec3 c = mesh->corners[i];
+        double far = fabs(c.x) + fabs(c.y) + fabs(c.z);
+        if (!(far <= farthest)) farthest = far;  // NaN stays
+        if (!(farthest <= FARTHEST)) return false;
+    }
+    return true;
+}
+
+static void read_one(void *context, int index, int thread) {
+    Work *work = context;
+    work->readers[thread].product = index;
+    ifc_read_product(&work->readers[thread], work->relations, index, &work->model->products[index]);
+}
+
 static void read_shape(void *context, int index, int thread) {
     Work *work = context;
     Reader *r = &work->readers[thread];
@@ -268,14 +308,19 @@ static void read_shape(void *context, int index, int thread) {
         Frame frame = product_frame(p);
         int look = look_of(r, rel, rel->record[index]);
         make_mesh(&r->kept, &body, &frame, look, &p->whole_mesh);
+        if (!is_near(&p->whole_mesh)) {
+            ifc_note(r, rel->record[index], "lies farther than %g m away", FARTHEST);
+            p->whole_mesh = (IfcMesh){0};
+            body.count = p->item_count = 0;
+        }
         p->mesh = p->whole_mesh;
         for (int i = 0; i < p->whole_mesh.corner_count; i++)
             p->box = box_add(p->box, p->whole_mesh.corners[i]);
-        for (int i = 0; i < body.count; i++)
-            find_footprint(r, &body.items[i].prism, &frame, &work->found[index]);
-        if (p->kind != IFC_OPENING && ifc_pair(&rel->openings, rel->record[index]) >= 0) {
+        find_footprints(r, &body, &frame, &work->found[index]);
+        if (body.count > 0 && p->kind != IFC_OPENING && ifc_pair(&rel->openings, rel->record[index]) >= 0) {
             cut_openings(r, work, index, &body, &cut);
             make_mesh(&r->kept, &cut, &frame, look, &p->mesh);
+            if (!is_near(&p->mesh)) p->mesh = p->whole_mesh;
         }
     }
     arena_reset(&r->scratch);
@@ -373,10 +418,7 @@ static bool tell_damage(const IfcFile *file, const Reader *readers, int threads,
     for (int t = 0; t < threads; t++)
         if (readers[t].bad < bad) bad = readers[t].bad;
     if (bad == SIZE_MAX) return true;
-    int shown = 0;
-    while (shown < 24 && bad + (size_t)shown < file->step.size &&
-           (unsigned char)file->step.text[bad + (size_t)shown] >= ' ')
-        shown++;
+    int shown = step_shown(&file->step, bad, 24);
     return error_set(error,
                      "%s:%lld: an argument is `%.*s` (allowed: a number, 'text', .NAME., #number, $, *, a "
                      "list or NAME(value))",
@@ -391,9 +433,13 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     ifc_read_styles(r, file, shared);
     ifc_read_relations(r, shared, &relations);
     find_maps(r, file, shared);
-    ifc_read_products(r, arena, &relations, model);
-    arena_reset(&r->scratch);
     work->relations = &relations;
+    model->product_count = relations.products.count;
+    model->products = ARENA_ARRAY(arena, IfcProduct, model->product_count + 1);
+    parallel_for(threads, model->product_count, read_one, work);
+    for (int t = 0; t < threads; t++) work->readers[t].product = -1;
+    ifc_relate_products(r, arena, &relations, model);
+    arena_reset(&r->scratch);
     work->found = ARENA_ARRAY(shared, Found, model->product_count + 1);
     MapWork maps = {work, ARENA_ARRAY(shared, Body, file->maps.count + 1),
                     ARENA_ARRAY(shared, Arena, threads)};
@@ -434,8 +480,10 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
     bool good = step_read(path, content, &types, threads, &shared, &file.step, error);
     if (good) {
         Work work = {.file = &file, .model = out, .readers = ARENA_ARRAY(&shared, Reader, threads)};
-        for (int t = 0; t < threads; t++)
-            work.readers[t] = (Reader){.file = &file, .bad = SIZE_MAX, .product = -1};
+        for (int t = 0; t < threads; t++) {
+            Reader *r = &work.readers[t];
+            *r = (Reader){.file = &file, .bad = SIZE_MAX, .product = -1, .strings = {.arena = &r->kept}};
+        }
         good = read_all(&file, &work, threads, arena, &shared, error);
         for (int t = 0; t < threads; t++) {
             arena_free(&work.readers[t].scratch);

@@ -64,12 +64,12 @@ typedef struct Reader {
     const IfcFile *file;
     Arena scratch;  // until the product is done
     Arena kept;     // until the end
+    StepStrings strings;  // in `kept`
     size_t bad;     // the first byte that is no argument
     RawNote *notes;
     int note_count, note_room;
     int product;  // that is read, an index; -1: none
     int depth;    // of items within items
-    Body body;    // while a representation is read
 } Reader;
 
 enum {
@@ -150,7 +150,7 @@ bool ifc_curved_face(Reader *r, int surface, const FaceRings *rings, bool same_s
 void ifc_swept_surface(Reader *r, int record, Shape *out);
 // A profile moved along a vector, with caps unless the profile is open.
 void ifc_sweep_profile(Reader *r, const Profile *profile, const Frame *frame, Vec3 sweep, Shape *out);
-// Appends the items of a representation item: one, or those of a mapped item.
+// Appends the items of a representation item: one, or those of a mapped item; `frame` may be NULL.
 void ifc_item(Reader *r, int record, const Frame *frame, int material, Body *out);
 void ifc_representation(Reader *r, int record, const Frame *frame, int material, Body *out);
 // The material of an item by its style, or -1.
@@ -177,7 +177,9 @@ typedef struct Relations {
     int *record;      // [product_count]
 } Relations;
 void ifc_read_relations(Reader *r, Arena *arena, Relations *out);
-// All of a product but its mesh; the model then is complete but for meshes, footprints and notes.
-void ifc_read_products(Reader *r, Arena *arena, Relations *relations, IfcModel *model);
+// A product's own arguments, for each product by any thread; then what relates products. The model then is complete but for meshes,
+// footprints and notes.
+void ifc_read_product(Reader *r, const Relations *relations, int product, IfcProduct *out);
+void ifc_relate_products(Reader *r, Arena *arena, Relations *relations, IfcModel *model);
 
 #endif

@@ -111,8 +111,7 @@ static bool boolean_chain(Reader *r, int record, Shape *out, Prism *prism) {
         // Differences in a row are one difference of many tools.
         int n = 0, at = chain[i];
         ShapeBoolean operation = SHAPE_DIFFERENCE;
-        bool half = true;
-        for (; i >= 0; i--) {
+            for (; i >= 0; i--) {
             ifc_arguments(r, chain[i], v, 3);
             operation = ifc_is(r, &v[0], "UNION")          ? SHAPE_UNION
                         : ifc_is(r, &v[0], "INTERSECTION") ? SHAPE_INTERSECTION
@@ -133,7 +132,6 @@ static bool boolean_chain(Reader *r, int record, Shape *out, Prism *prism) {
                 break;
             }
         }
-        (void)half;
         Shape result;
         if (n > 0 && !shape_boolean(&r->scratch, operation, &shape, tool, n, &result)) {
             ifc_note(r, at, "takes too long: its operands have %d and %d faces", shape.face_count,
@@ -235,19 +233,21 @@ static bool is_drawing(int type) {
     }
 }
 
+// Appends an item, as the frame maps it; without a frame it is taken as it stands, its arrays too.
 static void map_item(Reader *r, const Item *item, const Frame *frame, int material, Body *out) {
     Item *to = ARENA_PUSH(&r->scratch, out->items, out->count, out->room);
-    *to = (Item){.shape = shape_empty(item->shape.solid), .prism = item->prism};
-    shape_append_mapped(&r->scratch, &to->shape, &item->shape, frame);
-    give_look(&to->shape, material);
-    if (item->prism.ring_count) {
+    *to = *item;
+    ifc_count_polygons(r, &item->shape);
+    if (frame) {
+        to->shape = shape_empty(item->shape.solid);
+        shape_append_mapped(&r->scratch, &to->shape, &item->shape, frame);
         int total = 0;
         for (int i = 0; i < item->prism.ring_count; i++) total += item->prism.size[i];
-        to->prism.corners = ARENA_ARRAY(&r->scratch, Vec3, total);
+        if (total) to->prism.corners = ARENA_ARRAY(&r->scratch, Vec3, total);
         for (int i = 0; i < total; i++) to->prism.corners[i] = frame_point(frame, item->prism.corners[i]);
         to->prism.sweep = frame_turn(frame, item->prism.sweep);
     }
-    ifc_count_polygons(r, &to->shape);
+    give_look(&to->shape, material);
 }
 
 static void mapped_item(Reader *r, int record, const Frame *frame, int material, Body *out) {
@@ -260,7 +260,7 @@ static void mapped_item(Reader *r, int record, const Frame *frame, int material,
     }
     Frame origin = ifc_axes(r, m[0].record), target = ifc_operator(r, v[1].record),
           joined = frame_join(&target, &origin);
-    joined = frame_join(frame, &joined);
+    if (frame) joined = frame_join(frame, &joined);
     int at = ifc_pair(&r->file->maps, map);
     const Body *ready =
         at >= 0 && r->file->map_bodies ? &r->file->map_bodies[r->file->maps.pair[at].value] : NULL;

@@ -154,22 +154,26 @@ static int value_of(const Pairs *pairs, int key) {
 // ---- products
 
 // The text of an enumerator.
-static const char *enumerator(Reader *r, Arena *arena, const StepValue *v) {
-    return v->kind == STEP_ENUM ? arena_format(arena, "%.*s", (int)v->size, r->file->step.text + v->at) : "";
+static const char *enumerator(Reader *r, const StepValue *v) {
+    if (v->kind != STEP_ENUM || v->size == 0) return "";
+    char *out = memcpy(step_room(&r->strings, v->size + 1), r->file->step.text + v->at, v->size);
+    out[v->size] = 0;
+    return out;
 }
 
-static const char *operation_of(Reader *r, Arena *arena, const Relations *rel, int record,
+static const char *operation_of(Reader *r, const Relations *rel, int record,
                                 const StepValue *own) {
     StepValue v[11];
-    if (own->kind == STEP_ENUM) return enumerator(r, arena, own);
+    if (own->kind == STEP_ENUM) return enumerator(r, own);
     int type = value_of(&rel->types, record);
     if (!ifc_arguments(r, type, v, 11)) return "";
-    if (ifc_type(r, type) == T_DOORSTYLE) return enumerator(r, arena, &v[8]);
-    return ifc_type(r, type) == T_DOORTYPE ? enumerator(r, arena, &v[10]) : "";
+    if (ifc_type(r, type) == T_DOORSTYLE) return enumerator(r, &v[8]);
+    return ifc_type(r, type) == T_DOORTYPE ? enumerator(r, &v[10]) : "";
 }
 
-static void read_product(Reader *r, Arena *arena, const Relations *rel, int record, IfcProduct *p) {
+void ifc_read_product(Reader *r, const Relations *rel, int product, IfcProduct *p) {
     StepValue v[12];
+    int record = rel->record[product];
     const StepFile *step = &r->file->step;
     int type = step->type[record];
     ifc_arguments(r, record, v, 12);
@@ -180,15 +184,14 @@ static void read_product(Reader *r, Arena *arena, const Relations *rel, int reco
                       .whole = -1,
                       .host = -1,
                       .box = box_empty()};
-    p->type = step_type_name(step, record, arena);
-    p->guid = step_string(step, &v[0], arena);
-    p->name = step_string(step, &v[2], arena);
-    p->object_type = step_string(step, &v[4], arena);
-    p->long_name = p->kind == IFC_SPACE || p->kind == IFC_SITE ? step_string(step, &v[7], arena) : "";
+    p->type = step_type_name(step, record, &r->kept);
+    p->guid = step_string(step, &v[0], &r->strings);
+    p->name = step_string(step, &v[2], &r->strings);
+    p->object_type = step_string(step, &v[4], &r->strings);
+    p->long_name = p->kind == IFC_SPACE || p->kind == IFC_SITE ? step_string(step, &v[7], &r->strings) : "";
     bool leaf = p->kind == IFC_DOOR || p->kind == IFC_WINDOW;
     p->predefined = p->kind == IFC_SITE ? ""
-                                        : enumerator(r, arena,
-                                                     &v[p->kind == IFC_SPACE ? 9
+                                        : enumerator(r, &v[p->kind == IFC_SPACE ? 9
                                                         : leaf               ? 10
                                                                              : 8]);
     p->operation = "";
@@ -196,12 +199,14 @@ static void read_product(Reader *r, Arena *arena, const Relations *rel, int reco
         p->height = ifc_length(r, &v[8], 0);
         p->width = ifc_length(r, &v[9], 0);
     }
-    if (p->kind == IFC_DOOR) p->operation = operation_of(r, arena, rel, record, &v[11]);
+    if (p->kind == IFC_DOOR) p->operation = operation_of(r, rel, record, &v[11]);
     Frame f = ifc_placement(r, v[5].record);
     p->axis[0] = vec3_normalize(f.x);
     p->axis[1] = vec3_normalize(f.y);
     p->axis[2] = vec3_normalize(f.z);
     p->place = f.o;
+    // A place that cannot be counts as none; the mesh is left out then.
+    if (!(fabs(f.o.x) + fabs(f.o.y) + fabs(f.o.z) <= 1e9)) p->place = vec3(1e9, 1e9, 1e9);
 }
 
 // The angle of an IfcCompoundPlaneAngleMeasure: degrees, minutes, seconds, millionths.
@@ -229,32 +234,32 @@ static void read_place(Reader *r, IfcModel *model) {
     }
 }
 
+static int compare_storeys(const void *a, const void *b) {
+    const IfcStorey *p = a, *q = b;
+    if (p->elevation != q->elevation) return p->elevation < q->elevation ? -1 : 1;
+    return p->entity < q->entity ? -1 : p->entity > q->entity;
+}
+
 static void read_storeys(Reader *r, Arena *arena, Relations *rel, IfcModel *model) {
     const StepFile *step = &r->file->step;
     int count = model->storey_count = rel->storeys.count;
     model->storeys = ARENA_ARRAY(arena, IfcStorey, count + 1);
-    IfcStorey *found = ARENA_ARRAY(&r->scratch, IfcStorey, count + 1);
-    Pair *order = ARENA_ARRAY(&r->scratch, Pair, count + 1);
     for (int i = 0; i < count; i++) {
         StepValue v[10];
         int record = rel->storeys.pair[i].key;
         ifc_arguments(r, record, v, 10);
         double z = v[5].record >= 0 ? ifc_placement(r, v[5].record).o.z : ifc_length(r, &v[9], 0);
-        found[i] = (IfcStorey){step->entity[record], step_string(step, &v[0], arena),
-                               step_string(step, &v[2], arena), z};
-        if (!found[i].name[0]) found[i].name = step_string(step, &v[7], arena);
+        model->storeys[i] = (IfcStorey){step->entity[record], step_string(step, &v[0], &r->strings), step_string(step, &v[2], &r->strings),
+                                        isfinite(z) ? z : 0};
+        if (!model->storeys[i].name[0]) model->storeys[i].name = step_string(step, &v[7], &r->strings);
     }
-    // By elevation; those of one elevation as in the file.
+    if (count > 1) qsort(model->storeys, (size_t)count, sizeof(IfcStorey), compare_storeys);
+    Pairs rank = {ARENA_ARRAY(&r->scratch, Pair, count + 1), count, count};
+    for (int i = 0; i < count; i++) rank.pair[i] = (Pair){model->storeys[i].entity, i};
+    ifc_sort(&rank);
     for (int i = 0; i < count; i++) {
-        int rank = 0;
-        for (int k = 0; k < count; k++)
-            rank += found[k].elevation < found[i].elevation ||
-                    (found[k].elevation == found[i].elevation && k < i);
-        order[i] = (Pair){i, rank};
-    }
-    for (int i = 0; i < count; i++) {
-        model->storeys[order[i].value] = found[i];
-        rel->storeys.pair[i].value = order[i].value;
+        int at = ifc_pair(&rank, step->entity[rel->storeys.pair[i].key]);
+        rel->storeys.pair[i].value = rank.pair[at].value;
     }
 }
 
@@ -302,15 +307,8 @@ static void read_boundaries(Reader *r, Arena *arena, const Relations *rel, IfcMo
     }
 }
 
-void ifc_read_products(Reader *r, Arena *arena, Relations *rel, IfcModel *model) {
+void ifc_relate_products(Reader *r, Arena *arena, Relations *rel, IfcModel *model) {
     const StepFile *step = &r->file->step;
-    model->product_count = rel->products.count;
-    model->products = ARENA_ARRAY(arena, IfcProduct, model->product_count + 1);
-    for (int i = 0; i < model->product_count; i++) {
-        r->product = i;
-        read_product(r, arena, rel, rel->record[i], &model->products[i]);
-    }
-    r->product = -1;
     read_storeys(r, arena, rel, model);
     for (int i = 0; i < rel->openings.count; i++) {
         int opening = value_of(&rel->products, rel->openings.pair[i].value);
@@ -326,6 +324,6 @@ void ifc_read_products(Reader *r, Arena *arena, Relations *rel, IfcModel *model)
         StepValue v[3];
         if (step->type[i] != T_BUILDING && step->type[i] != T_PROJECT) continue;
         ifc_arguments(r, i, v, 3);
-        model->name = step_string(step, &v[2], arena);
+        model->name = step_string(step, &v[2], &r->strings);
     }
 }

@@ -17,8 +17,15 @@ void shape_add_in_plane(Arena *arena, Shape *shape, const Vec3 *corners, int cou
 }
 
 void shape_add(Arena *arena, Shape *shape, const Vec3 *corners, int count, int material) {
-    if (count < 3 || polygon_area(corners, count) < SHAPE_SMALLEST_AREA) return;
-    shape_add_in_plane(arena, shape, corners, count, material, plane_of_polygon(corners, count));
+    // Newell's sum about the first corner, for the area and the plane at once.
+    Vec3 sum = vec3(0, 0, 0), middle = corners[0];
+    for (int i = 1; i + 1 < count; i++)
+        sum = vec3_add(sum, vec3_cross(vec3_sub(corners[i], corners[0]), vec3_sub(corners[i + 1], corners[0])));
+    double twice = vec3_length(sum);
+    if (count < 3 || !(twice >= 2 * SHAPE_SMALLEST_AREA)) return;
+    for (int i = 1; i < count; i++) middle = vec3_add(middle, corners[i]);
+    Vec3 n = vec3_scale(sum, 1 / twice);
+    shape_add_in_plane(arena, shape, corners, count, material, (Plane){n, vec3_dot(n, middle) / count});
 }
 
 bool shape_add_rings(Arena *arena, Shape *shape, const Vec3 *corners, const int *size, int ring_count,

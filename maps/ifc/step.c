@@ -191,7 +191,7 @@ static bool scan_record(const Scan *scan, Part *part, size_t *place) {
         return part_fault(part, open >= file->size ? CUT_OFF : NO_TYPE, begin), false;
     size_t end = skip_statement(file, open);
     if (end == SIZE_MAX) return part_fault(part, CUT_OFF, begin), false;
-    keep_record(part, (int)number, type, name);
+    keep_record(part, (int)number, type, open);
     *place = end;
     return true;
 }
@@ -221,13 +221,19 @@ static void scan_part(void *context, int index, int thread) {
     }
 }
 
+int step_shown(const StepFile *file, size_t at, int most) {
+    int shown = 0;
+    for (; shown < most && at + (size_t)shown < file->size; shown++) {
+        char c = file->text[at + (size_t)shown];
+        if (c < ' ' || c > '~') break;
+    }
+    return shown;
+}
+
 static bool tell_fault(const StepFile *file, const Part *part, Error *error) {
     size_t at = part->fault_at;
     long long line = step_line(file, at);
-    int shown = 0;
-    while (shown < 40 && at + (size_t)shown < file->size &&
-           (unsigned char)file->text[at + (size_t)shown] >= ' ')
-        shown++;
+    int shown = step_shown(file, at, 40);
     const char *found = file->text + at;
     switch (part->fault) {
     case CUT_OFF:
@@ -371,7 +377,7 @@ static bool join_parts(StepFile *file, const Scan *scan, int part_count, Arena *
 
 bool step_read(const char *path, Bytes content, const StepTypes *types, int threads, Arena *arena,
                StepFile *out, Error *error) {
-    *out = (StepFile){.path = path, .text = (const char *)content.data, .size = content.size};
+    *out = (StepFile){.path = path, .types = types, .text = (const char *)content.data, .size = content.size};
     size_t data = 0;
     if (!read_header(out, &data, error)) return false;
     TypeTable table;
@@ -395,8 +401,12 @@ bool step_read(const char *path, Bytes content, const StepTypes *types, int thre
 }
 
 const char *step_type_name(const StepFile *file, int record, Arena *arena) {
-    size_t at = file->at[record], size = name_end(file, at) - at;
-    return size ? arena_format(arena, "%.*s", (int)size, file->text + at) : "a complex entity";
+    if (file->type[record] < file->types->count) return file->types->name[file->type[record]];
+    size_t end = file->at[record];
+    while (end > 0 && is_blank(file->text[end - 1])) end--;
+    size_t at = end;
+    while (at > 0 && is_name(file->text[at - 1])) at--;
+    return end > at ? arena_format(arena, "%.*s", (int)(end - at), file->text + at) : "a complex entity";
 }
 
 // ---- arguments
@@ -406,8 +416,7 @@ static void cursor_bad(StepCursor *c, size_t at) {
 }
 
 StepCursor step_arguments(const StepFile *file, int record, size_t *bad) {
-    size_t at = skip_blanks(file, name_end(file, file->at[record]));
-    return (StepCursor){file, at + 1, bad};
+    return (StepCursor){file, file->at[record] + 1, bad};
 }
 
 StepCursor step_elements(const StepCursor *from, const StepValue *list) {
@@ -692,12 +701,32 @@ static size_t utf8_size(const char *s, size_t size) {
     return more + 1;
 }
 
-const char *step_string(const StepFile *file, const StepValue *value, Arena *arena) {
+char *step_room(StepStrings *strings, size_t size) {
+    enum { BLOCK = 16384 };
+    if (size > strings->left) {
+        strings->left = size > BLOCK / 4 ? size : BLOCK;
+        strings->next = arena_alloc(strings->arena, strings->left, 1);
+    }
+    char *out = strings->next;
+    strings->next += size;
+    strings->left -= size;
+    return out;
+}
+
+const char *step_string(const StepFile *file, const StepValue *value, StepStrings *strings) {
     if (value->kind != STEP_STRING || value->size == 0) return "";
     const char *s = file->text + value->at;
     size_t size = value->size, length = 0;
+    // Most strings are plain.
+    while (length < size && (unsigned char)s[length] < 0x80 && s[length] >= ' ' && s[length] != '\\' && s[length] != '\'') length++;
+    if (length == size) {
+        char *plain = memcpy(step_room(strings, size + 1), s, size);
+        plain[size] = 0;
+        return plain;
+    }
+    length = 0;
     // A byte becomes two at most (\S\ and bytes of Latin 1), four digits three, eight digits four.
-    char *out = arena_alloc(arena, 2 * size + 4, 1);
+    char *out = step_room(strings, 2 * size + 4);
     for (size_t i = 0; i < size;) {
         size_t left = size - i;
         const char *p = s + i;

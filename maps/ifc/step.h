@@ -25,6 +25,7 @@ enum {
 typedef struct StepFile {
     const char *path;
     const char *text;  // followed by a zero byte
+    const StepTypes *types;
     size_t size;
     char schema[64];  // the first name in FILE_SCHEMA
     int record_count;
@@ -76,7 +77,9 @@ bool step_read(const char *path, Bytes content, const StepTypes *types, int thre
 int step_find(const StepFile *file, long long entity);
 // The line of a byte, from 1.
 long long step_line(const StepFile *file, size_t at);
-// The name of the type of a record, as in the file; in the arena.
+// How many bytes from here on messages may show: plain characters of one line, `most` at most.
+int step_shown(const StepFile *file, size_t at, int most);
+// The name of the type of a record, as in the file; in the arena unless the name is one of the types'.
 const char *step_type_name(const StepFile *file, int record, Arena *arena);
 
 // The arguments of a record, and the elements of a list or the value of a typed value.
@@ -87,8 +90,17 @@ StepValue step_next(StepCursor *cursor);
 // Reads up to `most` numbers of a list, in which typed values count by their value; returns how many there were.
 int step_numbers(const StepCursor *from, const StepValue *list, double *out, int most);
 
-// A string decoded into UTF-8: '' \\ \S\ \P.\ \X\ \X2\ \X4\; in the arena.
-const char *step_string(const StepFile *file, const StepValue *value, Arena *arena);
+// Memory for strings, side by side: an arena aligns each piece.
+typedef struct StepStrings {
+    Arena *arena;
+    char *next;
+    size_t left;
+} StepStrings;
+// Room for `size` bytes.
+char *step_room(StepStrings *strings, size_t size);
+
+// A string decoded into UTF-8: '' \\ \S\ \P.\ \X\ \X2\ \X4\.
+const char *step_string(const StepFile *file, const StepValue *value, StepStrings *strings);
 bool step_is(const StepFile *file, const StepValue *value, const char *enumerator);
 
 #endif

@@ -85,7 +85,7 @@ static int surface_style(Reader *r, Looks *looks, int record) {
             !ifc_arguments(r, part.record, s, 2))
             continue;
         if (ifc_type(r, s[0].record) != T_COLOURRGB || !ifc_arguments(r, s[0].record, rgb, 4)) continue;
-        IfcMaterial look = {.name = step_string(&r->file->step, &v[0], looks->arena),
+        IfcMaterial look = {.name = step_string(&r->file->step, &v[0], &r->strings),
                             .alpha = share(1 - ifc_number(r, &s[1], 0))};
         for (int i = 0; i < 3; i++) look.colour[i] = share(ifc_number(r, &rgb[1 + i], 0));
         return keep_look(looks, look);

@@ -42,8 +42,14 @@ typedef struct IfcPlan {
     int *material;         // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
-    NoteTally no_body, recesses, small_holes, roof_windows, low_doors;
+    NoteTally no_body, recesses, small_holes, roof_windows, low_doors, too_many;
 } IfcPlan;
+
+// ---- ifc_building_looks.c
+const char *ifc_name(const IfcPlan *p, int product);   // of a space its number and its name
+const char *ifc_place(const IfcPlan *p, int product);  // for notes: #12 door `D-1`
+int ifc_material(IfcPlan *p, int material,
+                 int otherwise);  // in the building; `otherwise` for polygons without a style
 
 // ---- ifc_building_plan.c
 bool ifc_plan_storeys(IfcPlan *p, Error *error);  // finds rooms, too
@@ -67,8 +73,5 @@ int ifc_material(IfcPlan *p, int material,
 void ifc_add_objects(IfcPlan *p);
 // Adds the polygons of a mesh as an object. Returns it, -1 where nothing is left.
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise);
-// `#12 door `D-1``, for notes.
-const char *ifc_place(const IfcPlan *p, int product);
-const char *ifc_name(const IfcPlan *p, int product);
 
 #endif

@@ -1,14 +1,11 @@
 // ifc_building_objects.c - the bodies of products as objects: furniture, stairs, columns, roofs, balconies, lamps; and styles as
 // materials. Walls, and floors under rooms, are made from the free space; of a slab only what lies beyond rooms and walls is added.
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 #include "maps/ifc/ifc_building.h"
 
-// Glass whose style is opaque, and a share below which nothing is seen of a polygon.
-static const float GLASS_ALPHA = 0.3f, CLEAREST = 0.05f;
 // Radiant flux of a light fixture, W: some 2,300 lm, as a luminaire of an office has. Files seldom say it.
 static const double LAMP_WATTS = 10;
 static const double LAMP_RADIUS = 0.0325;
@@ -16,46 +13,6 @@ static const double LAMP_RADIUS = 0.0325;
 static const double IN_PLANE = 0.01;
 // The part of a slab beyond rooms and walls counts from this area and width on, metres^2 and metres.
 static const double BALCONY = 0.5, BALCONY_WIDTH = 0.15;
-
-const char *ifc_name(const IfcPlan *p, int product) {
-    const IfcProduct *it = &p->model->products[product];
-    const char *number = it->name, *name = it->long_name;
-    if (it->kind != IFC_SPACE || !*name || strcmp(name, number) == 0) return *number ? number : name;
-    return *number ? arena_format(p->arena, "%s %s", number, name) : name;
-}
-
-const char *ifc_place(const IfcPlan *p, int product) {
-    const IfcProduct *it = &p->model->products[product];
-    const char *kind = it->kind == IFC_OTHER ? it->type : ifc_kind_name(it->kind),
-               *name = ifc_name(p, product);
-    return *name ? arena_format(p->arena, "#%d %s `%.80s`", it->entity, kind, name)
-                 : arena_format(p->arena, "#%d %s", it->entity, kind);
-}
-
-// ---- materials
-
-static int channel(float c) { return (int)lrintf(fminf(fmaxf(c, 0), 1) * 255); }
-
-static bool is_glass(const char *name) {
-    static const char *const WORDS[] = {"glas", "verre", "vetro", "vidrio", "cristal", NULL};
-    for (int i = 0; WORDS[i]; i++)
-        if (strcasestr(name, WORDS[i])) return true;
-    return false;
-}
-
-int ifc_material(IfcPlan *p, int material, int otherwise) {
-    if (material <= 0) return otherwise;
-    if (p->material[material] >= 0) return p->material[material];
-    const IfcMaterial *m = &p->model->materials[material];
-    unsigned rgb = 0;
-    for (int i = 0; i < 3; i++) rgb = rgb << 8 | (unsigned)channel(m->colour[i]);
-    Material out = {.name = arena_string(p->arena, m->name),
-                    .reflectance = maps_colour(rgb),
-                    .alpha = fminf(fmaxf(m->alpha, CLEAREST), 1)};
-    if (out.alpha > 0.99f) out.alpha = 1;
-    if (out.alpha == 1 && is_glass(m->name)) out.alpha = GLASS_ALPHA;
-    return p->material[material] = building_add_material(p->arena, p->b, out);
-}
 
 // ---- meshes
 
@@ -80,8 +37,11 @@ static bool in_room_plane(const IfcPlan *p, const Vec3 *c, int count) {
 
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise) {
     Building *b = p->b;
-    if (mesh->polygon_count == 0 || b->polygon_count + mesh->polygon_count > BUILDING_MOST_POLYGONS)
+    if (mesh->polygon_count == 0) return -1;
+    if (b->polygon_count > BUILDING_MOST_POLYGONS - mesh->polygon_count) {
+        building_tally(&p->too_many, name, mesh->corners[0]);
         return -1;
+    }
     int object = building_add_object(p->arena, b, kind, name);
     for (int i = 0; i < mesh->polygon_count; i++) {
         const IfcPolygon *polygon = &mesh->polygons[i];
@@ -95,7 +55,7 @@ int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *n
     return -1;
 }
 
-static void add_lamp(IfcPlan *p, int product, int object) {
+static void add_fixture(IfcPlan *p, int product, int object) {
     const IfcProduct *it = &p->model->products[product];
     Box box = it->box;
     Vec3 at = vec3_lerp(box.min, box.max, 0.5);
@@ -261,7 +221,7 @@ static void add_product(IfcPlan *p, int product) {
     }
     object = ifc_add_mesh(p, &it->mesh, kind, name, otherwise);
     if (object >= 0 && box) building_set_proxy(p->b, atan2(it->axis[0].y, it->axis[0].x));
-    if (it->kind == IFC_LIGHT && object >= 0) add_lamp(p, product, object);
+    if (it->kind == IFC_LIGHT && object >= 0) add_fixture(p, product, object);
 }
 
 void ifc_add_objects(IfcPlan *p) {

@@ -184,7 +184,7 @@ static int by_place(const void *pa, const void *pb) {
 }
 
 // The part of a mesh to which each polygon belongs, by places that polygons share: [polygon_count].
-static int *find_parts(IfcPlan *p, const IfcMesh *mesh) {
+static int *part_of_polygons(IfcPlan *p, const IfcMesh *mesh) {
     int *parent = ARENA_ARRAY(&p->scratch, int, mesh->corner_count + 1),
         *part = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
     Corner *corners = ARENA_ARRAY(&p->scratch, Corner, mesh->corner_count + 1);
@@ -209,7 +209,7 @@ enum { FRAME = -1, OPEN_LEAF = -2 };
 
 // Which leaf each polygon of a door moves with: [polygon_count], FRAME, or OPEN_LEAF where a leaf is drawn open.
 static int *find_leaves(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h, bool two) {
-    int *part = find_parts(p, mesh), *leaf = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
+    int *part = part_of_polygons(p, mesh), *leaf = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
     Box *extent = ARENA_ARRAY(&p->scratch, Box, mesh->corner_count + 1);
     bool *moves = ARENA_ARRAY(&p->scratch, bool, mesh->corner_count + 1);
     double height = h->z1 - h->z0;
@@ -305,7 +305,7 @@ static void add_window(IfcPlan *p, int opening, const IfcProduct *window) {
     const char *name = p->sketch.openings[opening].name;
     int *mark = ARENA_ARRAY(&p->scratch, int, window->mesh.polygon_count + 1);
     if (!clear) {
-        int *part = find_parts(p, &window->mesh);
+        int *part = part_of_polygons(p, &window->mesh);
         Box *extent = ARENA_ARRAY(&p->scratch, Box, window->mesh.corner_count + 1);
         for (int i = 0; i < window->mesh.corner_count; i++) extent[i] = box_empty();
         for (int i = 0; i < window->mesh.polygon_count; i++)
@@ -340,7 +340,8 @@ static void set_operation(const IfcProduct *door, const IfcHole *h, SketchOpenin
         o->slide = two ? h->width / 2 : o->hinge == 1 ? h->width : -h->width;
 }
 
-static void add_opening(IfcPlan *p, const IfcHole *hole, const IfcProduct *body, const IfcProduct *filling) {
+static void sketch_opening(IfcPlan *p, const IfcHole *hole, const IfcProduct *body,
+                           const IfcProduct *filling) {
     Sketch *s = &p->sketch;
     SketchOpening o = {.storey = ifc_storey_at(p, hole->z0 + 0.01),
                        .centre = hole->centre,
@@ -435,7 +436,7 @@ static void plan_opening(IfcPlan *p, int product) {
         building_tally(&p->small_holes, ifc_place(p, product), middle);
         return;
     }
-    add_opening(p, &hole, body, filling);
+    sketch_opening(p, &hole, body, filling);
 }
 
 void ifc_plan_openings(IfcPlan *p) {

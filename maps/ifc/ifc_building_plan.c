@@ -11,11 +11,11 @@
 static const double SAME_FLOOR = 0.3;
 // A space belongs to the storey that its file says, if its floor is within this of the storey's; else to that below it.
 static const double STOREY_REACH = 1.5;
-// What stands this far below a floor still stands on it.
+// A thing whose foot is this far below a floor still stands on it.
 static const double STEP = 0.3;
 // Heights nearer than this are equal.
 static const double SAME_HEIGHT = 0.002;
-// Of a space, this much above its floor and below its ceiling is left out where its outline is traced; and of a wall.
+// An outline is traced from this far above the foot of a space or wall to this far below its top.
 static const double TRACE = 0.01;
 // Spaces lower or smaller than this are no rooms: metres, metres^2.
 static const double LEAST_HEIGHT = 0.5, LEAST_AREA = 0.05;
@@ -83,7 +83,7 @@ static SolidOutlines cover_parts(IfcPlan *p, int product, double z0, double z1) 
     return out.count > 1 ? solid_union(p->tracer, &out) : out;
 }
 
-// What a product covers of the plan between two heights.
+// The parts of the plan that a product covers between two heights.
 static SolidOutlines cover(IfcPlan *p, int product, double z0, double z1) {
     const IfcProduct *it = &p->model->products[product];
     SolidOutlines out = {NULL, 0, 0};

@@ -13,11 +13,13 @@ static const double LAMP_RADIUS = 0.0325;
 static const double IN_PLANE = 0.01;
 // The part of a slab beyond rooms and walls counts from this area and width on, metres^2 and metres.
 static const double BALCONY = 0.5, BALCONY_WIDTH = 0.15;
+// Rooms and walls within this above and below a slab stand on it or hang from it, metres.
+static const double BESIDE = 0.5;
 
 // ---- meshes
 
 // Whether a level polygon lies in the floor or the ceiling of a room, which is there already.
-static bool in_room_plane(const IfcPlan *p, const Vec3 *c, int count) {
+static bool in_room_plane(IfcPlan *p, const Vec3 *c, int count) {
     double low = INFINITY, high = -INFINITY;
     Vec3 middle = vec3(0, 0, 0);
     for (int i = 0; i < count; i++) {
@@ -94,24 +96,23 @@ static void add_plate(IfcPlan *p, const SolidOutline *o, double z0, double z1, i
 
 // Balconies, terraces and landings: what of a level slab lies beyond the rooms and walls beside it.
 static void add_slab(IfcPlan *p, int product) {
-    const IfcModel *m = p->model;
-    const IfcProduct *it = &m->products[product];
+    const IfcProduct *it = &p->model->products[product];
     double z0 = it->box.min.z, z1 = it->box.max.z, middle = (z0 + z1) / 2;
     SolidOutlines within = {NULL, 0, 0};
-    for (int i = 0; i < p->room_count; i++) {
-        const IfcRoom *room = &p->rooms[i];
+    Box around = it->box;
+    around.min.z -= BESIDE;
+    around.max.z += BESIDE;
+    for (int n = box_tree_find(&p->room_tree, around, &p->scratch, &p->near); n-- > 0;) {
+        const IfcRoom *room = &p->rooms[p->near.items[n]];
         // A room through whose middle the slab reaches does not hide it.
-        if (z0 > room->z0 + 0.5 && z1 < room->z1 - 0.5) continue;
-        if (room->z1 < z0 - 0.5 || room->z0 > z1 + 0.5) continue;
+        if (z0 > room->z0 + BESIDE && z1 < room->z1 - BESIDE) continue;
         for (int k = 0; k < room->outline.count; k++)
             *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = room->outline.items[k];
     }
-    for (int i = 0; i < m->product_count; i++) {
-        if (p->walls[i].count == 0 || m->products[i].box.min.z > z1 + 0.1 ||
-            m->products[i].box.max.z < z0 - 0.1)
-            continue;
-        for (int k = 0; k < p->walls[i].count; k++)
-            *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = p->walls[i].items[k];
+    for (int n = box_tree_find(&p->wall_tree, around, &p->scratch, &p->near); n-- > 0;) {
+        const SolidOutlines *wall = &p->walls[p->near.items[n]];
+        for (int k = 0; k < wall->count; k++)
+            *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = wall->items[k];
     }
     for (int i = 0; i < it->mesh.polygon_count; i++)
         solid_add(p->tracer, it->mesh.corners + it->mesh.polygons[i].first_corner,
@@ -131,25 +132,23 @@ static void add_slab(IfcPlan *p, int product) {
 
 // A slab between level planes, whose parts can be taken away in plan.
 static bool is_level(const IfcProduct *it) {
-    double volume_like = 0, level = 0;
     for (int i = 0; i < it->mesh.polygon_count; i++) {
         const IfcPolygon *polygon = &it->mesh.polygons[i];
         Plane plane = plane_of_polygon(it->mesh.corners + polygon->first_corner, polygon->corner_count);
-        volume_like += 1;
-        level += fabs(plane.n.z) > 0.9999 || fabs(plane.n.z) < 1e-4;
+        if (fabs(plane.n.z) < 0.9999 && fabs(plane.n.z) > 1e-4) return false;
     }
-    return volume_like > 0 && level == volume_like;
+    return it->mesh.polygon_count > 0;
 }
 
 // ---- all
 
-static bool in_wall(const IfcPlan *p, const IfcProduct *it) {
+// Whether the middle of a thing is in a wall.
+static bool in_wall(IfcPlan *p, const IfcProduct *it) {
     Vec3 middle = vec3_lerp(it->box.min, it->box.max, 0.5);
-    for (int i = 0; i < p->model->product_count; i++)
-        for (int k = 0; k < p->walls[i].count; k++)
-            if (solid_contains(&p->walls[i].items[k], vec2(middle.x, middle.y)) &&
-                box_overlap(it->box, p->model->products[i].box))
-                return true;
+    int count = box_tree_find(&p->wall_tree, (Box){middle, middle}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++)
+        for (int k = 0, wall = p->near.items[i]; k < p->walls[wall].count; k++)
+            if (solid_contains(&p->walls[wall].items[k], vec2(middle.x, middle.y))) return true;
     return false;
 }
 
@@ -184,7 +183,7 @@ static void add_product(IfcPlan *p, int product) {
             box = true;
             break;
         }
-        if (it->mesh.polygon_count && is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
+        if (is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
             add_slab(p, product);
             return;
         }

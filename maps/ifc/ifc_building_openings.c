@@ -99,11 +99,12 @@ static Box polygon_box(const IfcHole *h, const IfcMesh *mesh, int polygon) {
 }
 
 // The wall in which a door that fills no opening stands, -1: none.
-static int wall_near(const IfcPlan *p, const IfcProduct *it) {
+static int wall_near(IfcPlan *p, const IfcProduct *it) {
     Vec3 middle = vec3_lerp(it->box.min, it->box.max, 0.5);
-    for (int i = 0; i < p->model->product_count; i++)
-        for (int k = 0; k < p->walls[i].count; k++)
-            if (solid_contains(&p->walls[i].items[k], plan_of(middle))) return i;
+    int count = box_tree_find(&p->wall_tree, (Box){middle, middle}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++)
+        for (int k = 0, wall = p->near.items[i]; k < p->walls[wall].count; k++)
+            if (solid_contains(&p->walls[wall].items[k], plan_of(middle))) return wall;
     return -1;
 }
 
@@ -458,7 +459,7 @@ void ifc_plan_openings(IfcPlan *p) {
 // ---- doors and the spaces they join
 
 // The space at one side of a door, as far from it as a person stands.
-static int space_beside(const IfcPlan *p, const IfcHole *h, int side) {
+static int space_beside(IfcPlan *p, const IfcHole *h, int side) {
     for (double away = 0.1; away < 0.6; away += 0.1) {
         Vec2 at = vec2_add(h->centre, vec2_scale(h->n, side * (h->depth / 2 + away)));
         int room = ifc_room_at(p, -1, vec3(at.x, at.y, h->z0 + 0.5 * (h->z1 - h->z0)));

@@ -281,11 +281,14 @@ static void measure_storeys(IfcPlan *p) {
     }
 }
 
+static void index_rooms(IfcPlan *p);
+
 bool ifc_plan_storeys(IfcPlan *p, Error *error) {
     const IfcModel *m = p->model;
     Building *b = p->b;
     measure_spaces(p);
     drop_zones(p);
+    index_rooms(p);
     int count;
     const Level *levels = find_levels(p, &count);
     for (int i = 0; i < m->storey_count; i++) p->storey[i] = -1;
@@ -308,14 +311,21 @@ bool ifc_plan_storeys(IfcPlan *p, Error *error) {
 
 // ---- rooms
 
-int ifc_room_at(const IfcPlan *p, int storey, Vec3 place) {
-    for (int i = 0; i < p->room_count; i++) {
-        const IfcRoom *room = &p->rooms[i];
+int ifc_room_at(IfcPlan *p, int storey, Vec3 place) {
+    int count = box_tree_find(&p->room_tree, (Box){place, place}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++) {
+        const IfcRoom *room = &p->rooms[p->near.items[i]];
         if ((storey >= 0 && room->storey != storey) || place.z <= room->z0 || place.z >= room->z1) continue;
         for (int k = 0; k < room->outline.count; k++)
-            if (solid_contains(&room->outline.items[k], vec2(place.x, place.y))) return i;
+            if (solid_contains(&room->outline.items[k], vec2(place.x, place.y))) return p->near.items[i];
     }
     return -1;
+}
+
+static void index_rooms(IfcPlan *p) {
+    p->room_box = ARENA_ARRAY(&p->scratch, Box, p->room_count);
+    for (int i = 0; i < p->room_count; i++) p->room_box[i] = p->model->products[p->rooms[i].product].box;
+    p->room_tree = box_tree_build(p->room_box, p->room_count, &p->scratch);
 }
 
 static int add_points(IfcPlan *p, const Vec2 *points, int count, const int *material) {
@@ -420,26 +430,24 @@ static const double WALL_REACH = 0.35, PROBE = 0.2, THIN_WALL = 0.05;
 static const double OPEN_SHARE = 0.4, ROOFED = 0.5;
 
 // Whether a wall that bounds the room, or another room, stands at a place.
-static bool is_bounded_at(const IfcPlan *p, const IfcRoom *room, Vec2 at) {
-    const IfcModel *m = p->model;
+static bool is_bounded_at(IfcPlan *p, const IfcRoom *room, Vec2 at) {
     double half = room->z0 + 0.5 * fmin(room->z1 - room->z0, SKETCH_LEAST_ROOM);
     int other = ifc_room_at(p, room->storey, vec3(at.x, at.y, half));
     if (other >= 0 && &p->rooms[other] != room) return true;
-    for (int i = 0; i < m->product_count; i++) {
-        Box box = m->products[i].box;
-        // A curtain wall has the bodies of its parts alone.
-        if (p->walls[i].count == 0 ||
-            (!box_is_empty(box) && (box.min.z > room->z0 + STEP ||
-                                    box.max.z < fmin(room->z1 - CEILING_GAP, room->z0 + SKETCH_LEAST_ROOM))))
-            continue;
-        for (int k = 0; k < p->walls[i].count; k++)
-            if (solid_contains(&p->walls[i].items[k], at)) return true;
+    double high = fmin(room->z1 - CEILING_GAP, room->z0 + SKETCH_LEAST_ROOM);
+    Vec3 place = vec3(at.x, at.y, half);
+    int count = box_tree_find(&p->wall_tree, (Box){place, place}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++) {
+        int wall = p->near.items[i];
+        if (p->wall_box[wall].min.z > room->z0 + STEP || p->wall_box[wall].max.z < high) continue;
+        for (int k = 0; k < p->walls[wall].count; k++)
+            if (solid_contains(&p->walls[wall].items[k], at)) return true;
     }
     return false;
 }
 
 // The length of the room's outline along which nothing bounds it, and its share of the outline.
-static double open_length(const IfcPlan *p, const IfcRoom *room, double *share) {
+static double open_length(IfcPlan *p, const IfcRoom *room, double *share) {
     double open = 0, all = 0;
     for (int i = 0; i < room->outline.count; i++) {
         const SolidOutline *o = &room->outline.items[i];
@@ -602,6 +610,7 @@ static void plan_wall(IfcPlan *p, int product) {
         }
         reached = fmax(reached, top);
     }
+    if (all->count > 0) p->wall_box[product] = box;
     static const double ROOF = 0.15;  // of maps_enclose, above ceilings that nothing stands on
     if (reached > low && high > reached + ROOF + 0.05 &&
         ifc_storey_at(p, high) == ifc_storey_at(p, reached - STEP))
@@ -610,8 +619,12 @@ static void plan_wall(IfcPlan *p, int product) {
 
 void ifc_plan_walls(IfcPlan *p) {
     const IfcModel *m = p->model;
-    for (int i = 0; i < m->product_count; i++)
+    p->wall_box = ARENA_ARRAY(&p->scratch, Box, m->product_count);
+    for (int i = 0; i < m->product_count; i++) {
+        p->wall_box[i] = box_empty();
         if (m->products[i].kind == IFC_WALL || m->products[i].kind == IFC_CURTAIN_WALL) plan_wall(p, i);
+    }
+    p->wall_tree = box_tree_build(p->wall_box, m->product_count, &p->scratch);
 }
 
 // ---- floors

@@ -41,7 +41,8 @@ typedef struct Work {
     IfcModel *model;
     const Relations *relations;
     Reader *readers;
-    Found *found;  // [product_count]
+    Arena *prisms;  // [threads] for footprints until they are joined
+    Found *found;   // [product_count]
 } Work;
 
 // ---- representations
@@ -169,8 +170,11 @@ static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int lo
     }
     *out = (IfcMesh){0};
     if (faces == 0) return;
-    out->corners = ARENA_ARRAY(arena, Vec3, corners);
-    out->polygons = ARENA_ARRAY(arena, IfcPolygon, faces);
+    // One piece of memory for both: an arena aligns each piece.
+    size_t size = (size_t)corners * sizeof(Vec3);
+    char *memory = arena_alloc(arena, size + (size_t)faces * sizeof(IfcPolygon), 1);
+    out->corners = (Vec3 *)memory;
+    out->polygons = (IfcPolygon *)(memory + size);
     for (int i = 0; i < body->count; i++) {
         const Shape *s = &body->items[i].shape;
         for (int k = 0; k < s->face_count; k++) {
@@ -198,7 +202,7 @@ static bool is_upright(Reader *r, const Prism *prism, const Frame *frame, int to
 }
 
 // Keeps the upright prisms of a body.
-static void find_footprints(Reader *r, const Body *body, const Frame *frame, Found *found) {
+static void find_footprints(Reader *r, Arena *arena, const Body *body, const Frame *frame, Found *found) {
     int rings = 0, points = 0, total;
     for (int i = 0; i < body->count; i++) {
         rings += body->items[i].prism.ring_count;
@@ -207,7 +211,7 @@ static void find_footprints(Reader *r, const Body *body, const Frame *frame, Fou
     if (rings == 0) return;
     // Exactly as much as needed: there may be millions.
     size_t head = (size_t)body->count * sizeof(IfcFootprint), middle = (size_t)rings * sizeof(IfcRing);
-    char *memory = arena_alloc(&r->kept, head + middle + (size_t)points * sizeof(Vec2), 1);
+    char *memory = arena_alloc(arena, head + middle + (size_t)points * sizeof(Vec2), 1);
     found->footprints = (IfcFootprint *)memory;
     found->points = (Vec2 *)(memory + head);
     found->rings = (IfcRing *)(memory + head + (size_t)points * sizeof(Vec2));
@@ -316,7 +320,7 @@ static void read_shape(void *context, int index, int thread) {
         p->mesh = p->whole_mesh;
         for (int i = 0; i < p->whole_mesh.corner_count; i++)
             p->box = box_add(p->box, p->whole_mesh.corners[i]);
-        find_footprints(r, &body, &frame, &work->found[index]);
+        find_footprints(r, &work->prisms[thread], &body, &frame, &work->found[index]);
         if (body.count > 0 && p->kind != IFC_OPENING && ifc_pair(&rel->openings, rel->record[index]) >= 0) {
             cut_openings(r, work, index, &body, &cut);
             make_mesh(&r->kept, &cut, &frame, look, &p->mesh);
@@ -425,6 +429,27 @@ static bool tell_damage(const IfcFile *file, const Reader *readers, int threads,
                      file->step.path, step_line(&file->step, bad), shown, file->step.text + bad);
 }
 
+static bool finish(const IfcFile *file, const Work *work, int threads, Arena *arena, Error *error) {
+    IfcModel *model = work->model;
+    if (!tell_damage(file, work->readers, threads, error)) return false;
+    if (ifc_too_many(&work->readers[0]))
+        return error_set(error, "%s: makes more than %lld polygons (the limit for %zu bytes)",
+                         file->step.path, file->most_polygons, file->step.size);
+    model->schema = arena_string(arena, file->step.schema);
+    model->unit = file->length;
+    model->material_count = file->material_count;
+    model->materials = memcpy(ARENA_ARRAY(arena, IfcMaterial, file->material_count + 1), file->materials,
+                              (size_t)file->material_count * sizeof(IfcMaterial));
+    for (int i = 0; i < model->material_count; i++)
+        model->materials[i].name = arena_string(arena, model->materials[i].name);
+    join_footprints(arena, work, model);
+    join_notes(arena, work, threads, model);
+    move_near(model);
+    for (int i = 0; i < model->product_count; i++)
+        model->polygon_count += model->products[i].mesh.polygon_count;
+    return true;
+}
+
 static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena *shared, Error *error) {
     Reader *r = &work->readers[0];
     IfcModel *model = work->model;
@@ -445,25 +470,12 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
                     ARENA_ARRAY(shared, Arena, threads)};
     parallel_for(threads, file->maps.count, read_map, &maps);
     file->map_bodies = maps.bodies;
+    work->prisms = ARENA_ARRAY(shared, Arena, threads);
     parallel_for(threads, model->product_count, read_shape, work);
+    bool good = finish(file, work, threads, arena, error);
+    for (int t = 0; t < threads; t++) arena_free(&work->prisms[t]);
     for (int t = 0; t < threads; t++) arena_free(&maps.arenas[t]);
-    if (!tell_damage(file, work->readers, threads, error)) return false;
-    if (ifc_too_many(r))
-        return error_set(error, "%s: makes more than %lld polygons (the limit for %zu bytes)",
-                         file->step.path, file->most_polygons, file->step.size);
-    model->schema = arena_string(arena, file->step.schema);
-    model->unit = file->length;
-    model->material_count = file->material_count;
-    model->materials = memcpy(ARENA_ARRAY(arena, IfcMaterial, file->material_count + 1), file->materials,
-                              (size_t)file->material_count * sizeof(IfcMaterial));
-    for (int i = 0; i < model->material_count; i++)
-        model->materials[i].name = arena_string(arena, model->materials[i].name);
-    join_footprints(arena, work, model);
-    join_notes(arena, work, threads, model);
-    move_near(model);
-    for (int i = 0; i < model->product_count; i++)
-        model->polygon_count += model->products[i].mesh.polygon_count;
-    return true;
+    return good;
 }
 
 bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena *arena, IfcModel *out,

@@ -504,7 +504,7 @@ static bool read_number(const StepFile *file, size_t *place, double *out) {
     return isfinite(*out);
 }
 
-static StepValue read_value(StepCursor *c);
+static inline StepValue read_value(StepCursor *c);
 
 // Behind a value: a comma, or the ) at which the cursor stays.
 static bool pass_comma(StepCursor *c) {
@@ -534,18 +534,13 @@ StepValue step_next(StepCursor *c) {
     if (value.kind == STEP_END || !pass_comma(c)) {
         cursor_bad(c, begin);
         c->at = file->size;
-        return (StepValue){.kind = value.kind == STEP_END ? STEP_NONE : value.kind,
-                           .number = value.number,
-                           .record = value.record,
-                           .entity = value.entity,
-                           .at = value.at,
-                           .size = value.size};
+        if (value.kind == STEP_END) value.kind = STEP_NONE;
     }
     return value;
 }
 
 // STEP_END stands for a damaged value here.
-static StepValue read_value(StepCursor *c) {
+static inline StepValue read_value(StepCursor *c) {
     const StepFile *file = c->file;
     const char *text = file->text;
     StepValue v = {.kind = STEP_END, .record = -1, .at = c->at};

@@ -2,6 +2,7 @@
 // spaces or walls, and real files.
 #include <criterion/criterion.h>
 
+#include "engine/core/random.h"
 #include "tests/maps/ifc/house_fixture.h"
 #include "tests/support/support.h"
 
@@ -274,6 +275,42 @@ Test(ifc_building, damaged) {
     cr_expect(!good || b.note_count > 0, "what is missing is told");
     if (!good) cr_expect(strstr(error.text, "t.ifc:"), "%s", error.text);
     arena_free(&arena);
+}
+
+// Changes a digit, a reference or a letter here and there.
+static void damage(Bytes file, Random *random) {
+    unsigned char *data = (unsigned char *)file.data;
+    for (int changes = 1 + (int)(random_next(random) % 4); changes > 0; changes--) {
+        size_t at = 400 + random_next(random) % (file.size - 400);
+        while (at + 1 < file.size && !(data[at] >= '0' && data[at] <= '9')) at++;
+        static const char WITH[] = "0123456789.-#$*(),'";
+        data[at] = (unsigned char)WITH[random_next(random) % (sizeof WITH - 1)];
+    }
+}
+
+// Whatever digits say, a building comes of it that holds together, or a sentence.
+Test(ifc_building, damaged_digits) {
+    for (int i = 0; i < support_count(300, 30000); i++) {
+        Arena arena = {0};
+        Random random = {(uint64_t)i + 1};
+        House h = house_two_rooms(&arena, false, vec2(0, 0), 0, true);
+        int upper = house_storey(&h, "attic", 2.8);
+        house_attic(&h, "3", "attic", upper, vec3(0, 0, 2.8), vec3(8.2, 3, 3), 5.5);
+        house_box(&h, "IFCSTAIR", "stair", 0, vec3(1, 1, 0), vec3(3, 2, 2.8));
+        int slab = house_box(&h, "IFCSLAB", "slab", upper, vec3(-0.2, -2, 2.5), vec3(8.4, 3.2, 2.8));
+        house_hole(&h, slab, vec3(1, 1, 2.4), vec3(3, 2, 2.9));
+        Bytes file = house_end(&h);
+        damage(file, &random);
+        Building b = {.file_size = (double)file.size};
+        Error error = {""};
+        if (MAPS_READER_IFC.read("t.ifc", file, &arena, &b, &error)) {
+            const char *fault = "";
+            cr_assert_eq(building_check(&b, &arena, &fault, 1), 0, "case %d: %s", i, fault);
+        } else {
+            cr_assert(error.text[0], "case %d", i);
+        }
+        arena_free(&arena);
+    }
 }
 
 // ---- real files

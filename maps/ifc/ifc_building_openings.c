@@ -225,8 +225,10 @@ static int *find_leaves(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h, bool 
     }
     for (int i = 0; i < mesh->polygon_count; i++) {
         Box box = extent[part[i]];
+        // Leaves that touch in the middle are one part, but no polygon is of both.
+        Box own = polygon_box(h, mesh, i);
         bool open = box.max.y - box.min.y > OPEN_DEPTH * h->width && box.max.z - box.min.z > 0.6 * height;
-        leaf[i] = open ? OPEN_LEAF : !moves[part[i]] ? FRAME : two && box.min.x + box.max.x > 0 ? 1 : 0;
+        leaf[i] = open ? OPEN_LEAF : !moves[part[i]] ? FRAME : two && own.min.x + own.max.x > 0 ? 1 : 0;
     }
     return leaf;
 }

@@ -159,11 +159,14 @@ static void fill(House *h, int hole, int made) {
 
 int house_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, double width, double height,
                const char *operation) {
-    // A lining of two posts and a leaf between them.
+    // A lining of two posts, and a leaf or two between them.
+    bool two = strncmp(operation, "DOUBLE", 6) == 0;
     int post = solid(h, vec3(0, -0.05, 0), vec3(0.05, 0.05, height)),
         other = solid(h, vec3(width - 0.05, -0.05, 0), vec3(width, 0.05, height)),
-        leaf = solid(h, vec3(0.06, -0.02, 0.01), vec3(width - 0.06, 0.02, height - 0.02));
-    int body = shape_of(h, arena_format(h->arena, "#%d,#%d,#%d", post, other, leaf), "SweptSolid");
+        leaf = solid(h, vec3(0.06, -0.02, 0.01), vec3(two ? width / 2 : width - 0.06, 0.02, height - 0.02)),
+        second = two ? solid(h, vec3(width / 2, -0.02, 0.01), vec3(width - 0.06, 0.02, height - 0.02)) : leaf;
+    const char *items = arena_format(h->arena, "#%d,#%d,#%d", post, other, leaf);
+    int body = shape_of(h, two ? arena_format(h->arena, "%s,#%d", items, second) : items, "SweptSolid");
     int place = turned_place(h, hinge, along);
     int made = add(h, "IFCDOOR('%s',$,'%s',$,$,#%d,#%d,$,%.9f,%.9f)", guid(h), name, place, body,
                    height * h->metre, width * h->metre);

@@ -81,6 +81,33 @@ Test(ifc_building, two_rooms) {
     arena_free(&arena);
 }
 
+// Two leaves that touch hang at either end and open to the same side; a sliding one goes aside.
+Test(ifc_building, double_and_sliding) {
+    Arena arena = {0};
+    Building b;
+    House h = house_begin(&arena, false, vec2(0, 0), 0);
+    int walls[4], ground = house_storey(&h, "ground floor", 0);
+    house_walls(&h, ground, vec3(0, 0, 0), vec3(8, 3, 2.5), walls);
+    house_space(&h, "1", "hall", ground, vec3(0, 0, 0), vec3(8, 3, 2.5));
+    int hole = house_hole(&h, walls[0], vec3(1, -0.3, 0), vec3(3, 0.1, 2.1));
+    house_door(&h, hole, "double", vec3(1, -0.1, 0), vec2(1, 0), 2, 2.1, "DOUBLE_DOOR_SINGLE_SWING");
+    hole = house_hole(&h, walls[0], vec3(5, -0.3, 0), vec3(6, 0.1, 2.1));
+    house_door(&h, hole, "sliding", vec3(5, -0.1, 0), vec2(1, 0), 1, 2.1, "SLIDING_TO_RIGHT");
+    house_read(&arena, house_end(&h), &b);
+    const Opening *o = house_opening(&b, "double");
+    cr_assert_eq(o->leaf_count, 2);
+    for (int i = 0; i < 2; i++) {
+        const Leaf *leaf = &b.leaves[o->first_leaf + i];
+        Vec3 end = leaf_point(leaf, 1, vec3(leaf->axis[1].x, leaf->axis[1].y, 1));
+        cr_expect(end.y > 0.7, "it opens into the house: %g", end.y);
+        cr_expect(fabs(end.x - (i ? 2.94 : 1.06)) < 0.1, "leaf %d hangs at its end: %g", i, end.x);
+    }
+    o = house_opening(&b, "sliding");
+    cr_assert_eq(o->leaf_count, 1);
+    cr_expect_float_eq(b.leaves[o->first_leaf].slide.x, 1, 1e-6);
+    arena_free(&arena);
+}
+
 // A pane without a style of its own is seen through.
 Test(ifc_building, panes_are_glass) {
     Arena arena = {0};

@@ -132,7 +132,7 @@ static void measure_spaces(IfcPlan *p) {
         }
         *ARENA_PUSH(&p->scratch, p->rooms, p->room_count, p->room_capacity) = room;
     }
-    qsort(p->rooms, (size_t)p->room_count, sizeof *p->rooms, by_area);
+    if (p->room_count > 1) qsort(p->rooms, (size_t)p->room_count, sizeof *p->rooms, by_area);
 }
 
 // A space that consists of others is a zone: a flat, a gross area.

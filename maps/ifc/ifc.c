@@ -49,17 +49,22 @@ typedef struct Work {
 
 static bool is_one_of(const Reader *r, const StepValue *text, const char *const *names, int count) {
     for (int i = 0; i < count; i++)
-        if (text->size == strlen(names[i]) && memcmp(r->file->step.text + text->at, names[i], text->size) == 0) return true;
+        if (text->size == strlen(names[i]) &&
+            memcmp(r->file->step.text + text->at, names[i], text->size) == 0)
+            return true;
     return false;
 }
 
 // How well a representation shows the body: 2 the body itself, 1 another form of it, 0 a drawing.
 static int body_rank(const Reader *r, const StepValue *identifier, const StepValue *type) {
-    static const char *const BODY[] = {"Body"}, *const OTHERS[] = {"Facetation", "Mesh", "Tessellation", "Body-Fallback", "Surface"};
-    static const char *const KINDS[] = {"SweptSolid", "Brep", "AdvancedBrep", "CSG", "Clipping", "MappedRepresentation", "SurfaceModel",
-                                        "SolidModel", "AdvancedSweptSolid", "Tessellation", "Surface3D", "SurfaceOrSolidModel"};
-    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile", "Box", "Annotation", "Plan", "CoG", "Clearance", "Lighting",
-                                           "Reference"};
+    static const char *const BODY[] = {"Body"}, *const OTHERS[] = {"Facetation", "Mesh", "Tessellation",
+                                                                   "Body-Fallback", "Surface"};
+    static const char *const KINDS[] = {"SweptSolid",   "Brep",       "AdvancedBrep",
+                                        "CSG",          "Clipping",   "MappedRepresentation",
+                                        "SurfaceModel", "SolidModel", "AdvancedSweptSolid",
+                                        "Tessellation", "Surface3D",  "SurfaceOrSolidModel"};
+    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile",   "Box",      "Annotation",
+                                           "Plan", "CoG",       "Clearance", "Lighting", "Reference"};
     enum { OTHER_COUNT = sizeof OTHERS / sizeof *OTHERS, KIND_COUNT = sizeof KINDS / sizeof *KINDS };
     enum { DRAWING_COUNT = sizeof DRAWINGS / sizeof *DRAWINGS };
     if (identifier->kind == STEP_STRING) {
@@ -125,7 +130,7 @@ static void read_map(void *context, int index, int thread) {
     Reader *r = &maps->work->readers[thread];
     StepValue m[2];
     Body body = {0};
-    r->product = -1;
+    ifc_begin(r, -1);
     ifc_arguments(r, maps->work->file->maps.pair[index].key, m, 2);
     ifc_representation(r, m[1].record, NULL, -1, &body);
     copy_body(&maps->arenas[thread], &body, &maps->bodies[index]);
@@ -222,13 +227,14 @@ static void find_footprints(Reader *r, Arena *arena, const Body *body, const Fra
         for (int k = 0; k < prism->ring_count; k++) total += prism->size[k];
         if (!is_upright(r, prism, frame, total, &corners)) continue;
         double base = corners[0].z, top = base + frame_turn(frame, prism->sweep).z;
-        found->footprints[found->footprint_count++] =
-            (IfcFootprint){found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
+        found->footprints[found->footprint_count++] = (IfcFootprint){
+            found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
         for (int ring = 0, first = 0; ring < prism->ring_count; first += prism->size[ring], ring++) {
             int count = prism->size[ring];
             double twice = 0;
             for (int k = 0; k < count; k++) {
-                Vec3 a = vec3_sub(corners[first + k], corners[first]), b = vec3_sub(corners[first + (k + 1) % count], corners[first]);
+                Vec3 a = vec3_sub(corners[first + k], corners[first]),
+                     b = vec3_sub(corners[first + (k + 1) % count], corners[first]);
                 twice += a.x * b.y - a.y * b.x;
             }
             bool turn = (twice > 0) == (ring > 0);
@@ -303,8 +309,8 @@ static void read_shape(void *context, int index, int thread) {
     Reader *r = &work->readers[thread];
     const Relations *rel = work->relations;
     IfcProduct *p = &work->model->products[index];
+    ifc_begin(r, index);
     if (ifc_too_many(r)) return;
-    r->product = index;
     Body body = {0}, cut;
     read_body(r, rel->record[index], &body);
     p->item_count = body.count;
@@ -486,8 +492,8 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
     long long polygons = 0;
     IfcFile file = {.options = *options, .polygons = &polygons};
     StepTypes types = {TYPE_NAMES, T_COUNT};
-    // A small file may make a million faces by mapping, a large one as many as its text may tell.
-    file.most_polygons = 1000000 + (long long)content.size / 8;
+    // A small file may make 300,000 faces by mapping, a large one as many as its text may tell.
+    file.most_polygons = 300000 + (long long)content.size / 8;
     if (file.most_polygons > IFC_MOST_FACES) file.most_polygons = IFC_MOST_FACES;
     bool good = step_read(path, content, &types, threads, &shared, &file.step, error);
     if (good) {

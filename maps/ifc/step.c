@@ -713,7 +713,9 @@ const char *step_string(const StepFile *file, const StepValue *value, StepString
     const char *s = file->text + value->at;
     size_t size = value->size, length = 0;
     // Most strings are plain.
-    while (length < size && (unsigned char)s[length] < 0x80 && s[length] >= ' ' && s[length] != '\\' && s[length] != '\'') length++;
+    while (length < size && (unsigned char)s[length] < 0x80 && s[length] >= ' ' && s[length] != '\\' &&
+           s[length] != '\'')
+        length++;
     if (length == size) {
         char *plain = memcpy(step_room(strings, size + 1), s, size);
         plain[size] = 0;

@@ -58,7 +58,8 @@ typedef struct StepValue {
         double number;  // of numbers
         size_t name;    // of typed values: where the name begins
     };
-    size_t at, size;  // bytes: of strings and enumerators without their quotes or dots; of lists and typed values from their (
+    size_t at,
+        size;  // bytes: of strings and enumerators without their quotes or dots; of lists and typed values from their (
 } StepValue;
 
 // A place among arguments. Only one thread uses a cursor.

@@ -93,6 +93,7 @@ static void wall_heights(const Enclosure *e, int storey, int face, double *z0, d
     const Spot *spot = spot_at(e, storey, face);
     *z0 = e->base[storey];
     *z1 = e->cover[storey];
+    double roof = *z1;
     if (spot->wall >= 0) {
         double top = nearbyint(e->sketch->walls[spot->wall].z1 * ENCLOSE_MM);
         if (top > *z1 + TALL) *z1 = top;
@@ -104,16 +105,17 @@ static void wall_heights(const Enclosure *e, int storey, int face, double *z0, d
         double low, high;
         room_heights(e, storey, indoor, &low, &high);
         *z0 = fmin(*z0, low - slab_of(e, storey));
-        if (high > e->ceiling[storey]) *z1 = fmax(*z1, high + ROOF);
+        if (high > e->ceiling[storey]) roof = fmax(roof, high + ROOF);
     }
     // Beside a room that is higher than its storey it ends under the rooms of the storeys above it.
-    for (int k = 0; k < e->b->storey_count; k++) {
+    for (int k = 0; roof > *z1 && k < e->b->storey_count; k++) {
         const Spot *above = spot_at(e, k, face);
         if (e->floor[k] < e->cover[storey] || above->indoor < 0 || !spot_is_open(above)) continue;
         double low, high;
         room_heights(e, k, above->indoor, &low, &high);
-        *z1 = fmin(*z1, fmax(low, e->cover[storey]));
+        roof = fmin(roof, low);
     }
+    *z1 = fmax(*z1, roof);
 }
 
 // ---- the layers
@@ -163,7 +165,7 @@ static void paint_cutouts(const Enclosure *e, int face, Painter *p) {
                 p->spans[i - 1].kind != SPAN_SOLID)
                 continue;
             double below = p->spans[i - 1].z0;
-            // What is said to be slab is none measured badly, as above a ceiling that hangs low.
+            // A slab as thick as its storey says is not measured badly: it lies above a ceiling that hangs low.
             if (i >= 2 && floor - below <= fmax(THICKEST_SLAB, slab_of(e, s)))
                 paint(p, span(SPAN_SHAFT, spot->cutout, s, below, floor));
             break;

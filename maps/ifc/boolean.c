@@ -15,6 +15,7 @@ enum {
     LEAF_IN = -2,        // behind it
     MOST_CORNERS = 512,  // of a piece
     MOST_DEPTH = 3000,   // cuts within cuts of a face
+    MANY = 64,           // faces: as many are parted by planes across them
     SMALL = 48,          // faces: larger bodies are looked at only around the tool
 };
 static const long long MOST_WORK = 100000000;  // corners looked at, about 10 ns each
@@ -113,6 +114,33 @@ static int choose(Cutter *c, const Piece *list, int count) {
     return best;
 }
 
+// Many faces are first parted by a plane across them, which is no face's: a round body would be a tree as deep as it has faces. Both
+// sides must have faces, from which their space learns whether it is inside.
+static bool choose_across(Cutter *c, const Piece *list, int count, Plane *out) {
+    if (count < MANY) return false;
+    Box box = box_empty();
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < count; i++) {
+        Vec3 p = list[i].corners[0];
+        box = box_add(box, p);
+        sum = vec3_add(sum, p);
+    }
+    c->work += count;
+    Vec3 size = vec3_sub(box.max, box.min), mean = vec3_scale(sum, 1.0 / count);
+    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    *out = axis == 0   ? (Plane){{1, 0, 0}, mean.x}
+           : axis == 1 ? (Plane){{0, 1, 0}, mean.y}
+                       : (Plane){{0, 0, 1}, mean.z};
+    double distance[MOST_CORNERS];
+    int front = 0, back = 0;
+    for (int i = 0; i < count; i++) {
+        int sides = sides_of(c, &list[i], *out, distance);
+        front += sides != 2;
+        back += sides >= 2;
+    }
+    return front > 0 && back > 0 && front < count - count / 5 && back < count - count / 5;
+}
+
 static int new_node(Cutter *c, Tree *tree, Plane plane) {
     Node *node = ARENA_PUSH(c->arena, tree->nodes, tree->count, tree->room);
     *node = (Node){plane, LEAF_OUT, LEAF_IN};
@@ -134,7 +162,9 @@ static bool make_tree(Cutter *c, Piece *list, int count, Tree *tree) {
     while (task_count > 0) {
         Task task = tasks[--task_count];
         if (c->work > MOST_WORK) return false;
-        Plane plane = task.list[choose(c, task.list, task.count)].plane;
+        Plane plane;
+        bool across = choose_across(c, task.list, task.count, &plane);
+        if (!across) plane = task.list[choose(c, task.list, task.count)].plane;
         int node = new_node(c, tree, plane);
         if (task.parent < 0) {
             tree->root = node;
@@ -151,7 +181,7 @@ static bool make_tree(Cutter *c, Piece *list, int count, Tree *tree) {
             if (sides == 3) {
                 push_piece(c->arena, &front, a, 0);
                 push_piece(c->arena, &back, b, 0);
-            } else if (sides == 1) {
+            } else if (sides == 1 || (sides == 0 && across)) {
                 push_piece(c->arena, &front, *p, 0);
             } else if (sides == 2) {
                 push_piece(c->arena, &back, *p, 0);

@@ -313,13 +313,9 @@ static bool any_curve(Reader *r, int record, Curve *out) {
 }
 
 bool ifc_curve(Reader *r, int record, Curve *out) {
-    if (r->depth >= IFC_DEEPEST) {
-        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
-        return false;
-    }
-    r->depth++;
+    if (!ifc_enter(r, record)) return false;
     bool good = any_curve(r, record, out);
-    r->depth--;
+    ifc_leave(r);
     if (good) close_curve(out);
     return good;
 }

@@ -41,24 +41,30 @@ typedef struct Work {
     IfcModel *model;
     const Relations *relations;
     Reader *readers;
-    Found *found;  // [product_count]
+    Arena *prisms;  // [threads] for footprints until they are joined
+    Found *found;   // [product_count]
 } Work;
 
 // ---- representations
 
 static bool is_one_of(const Reader *r, const StepValue *text, const char *const *names, int count) {
     for (int i = 0; i < count; i++)
-        if (text->size == strlen(names[i]) && memcmp(r->file->step.text + text->at, names[i], text->size) == 0) return true;
+        if (text->size == strlen(names[i]) &&
+            memcmp(r->file->step.text + text->at, names[i], text->size) == 0)
+            return true;
     return false;
 }
 
 // How well a representation shows the body: 2 the body itself, 1 another form of it, 0 a drawing.
 static int body_rank(const Reader *r, const StepValue *identifier, const StepValue *type) {
-    static const char *const BODY[] = {"Body"}, *const OTHERS[] = {"Facetation", "Mesh", "Tessellation", "Body-Fallback", "Surface"};
-    static const char *const KINDS[] = {"SweptSolid", "Brep", "AdvancedBrep", "CSG", "Clipping", "MappedRepresentation", "SurfaceModel",
-                                        "SolidModel", "AdvancedSweptSolid", "Tessellation", "Surface3D", "SurfaceOrSolidModel"};
-    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile", "Box", "Annotation", "Plan", "CoG", "Clearance", "Lighting",
-                                           "Reference"};
+    static const char *const BODY[] = {"Body"}, *const OTHERS[] = {"Facetation", "Mesh", "Tessellation",
+                                                                   "Body-Fallback", "Surface"};
+    static const char *const KINDS[] = {"SweptSolid",   "Brep",       "AdvancedBrep",
+                                        "CSG",          "Clipping",   "MappedRepresentation",
+                                        "SurfaceModel", "SolidModel", "AdvancedSweptSolid",
+                                        "Tessellation", "Surface3D",  "SurfaceOrSolidModel"};
+    static const char *const DRAWINGS[] = {"Axis", "FootPrint", "Profile",   "Box",      "Annotation",
+                                           "Plan", "CoG",       "Clearance", "Lighting", "Reference"};
     enum { OTHER_COUNT = sizeof OTHERS / sizeof *OTHERS, KIND_COUNT = sizeof KINDS / sizeof *KINDS };
     enum { DRAWING_COUNT = sizeof DRAWINGS / sizeof *DRAWINGS };
     if (identifier->kind == STEP_STRING) {
@@ -124,7 +130,7 @@ static void read_map(void *context, int index, int thread) {
     Reader *r = &maps->work->readers[thread];
     StepValue m[2];
     Body body = {0};
-    r->product = -1;
+    ifc_begin(r, -1);
     ifc_arguments(r, maps->work->file->maps.pair[index].key, m, 2);
     ifc_representation(r, m[1].record, NULL, -1, &body);
     copy_body(&maps->arenas[thread], &body, &maps->bodies[index]);
@@ -169,8 +175,11 @@ static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int lo
     }
     *out = (IfcMesh){0};
     if (faces == 0) return;
-    out->corners = ARENA_ARRAY(arena, Vec3, corners);
-    out->polygons = ARENA_ARRAY(arena, IfcPolygon, faces);
+    // One piece of memory for both: an arena aligns each piece.
+    size_t size = (size_t)corners * sizeof(Vec3);
+    char *memory = arena_alloc(arena, size + (size_t)faces * sizeof(IfcPolygon), 1);
+    out->corners = (Vec3 *)memory;
+    out->polygons = (IfcPolygon *)(memory + size);
     for (int i = 0; i < body->count; i++) {
         const Shape *s = &body->items[i].shape;
         for (int k = 0; k < s->face_count; k++) {
@@ -198,7 +207,7 @@ static bool is_upright(Reader *r, const Prism *prism, const Frame *frame, int to
 }
 
 // Keeps the upright prisms of a body.
-static void find_footprints(Reader *r, const Body *body, const Frame *frame, Found *found) {
+static void find_footprints(Reader *r, Arena *arena, const Body *body, const Frame *frame, Found *found) {
     int rings = 0, points = 0, total;
     for (int i = 0; i < body->count; i++) {
         rings += body->items[i].prism.ring_count;
@@ -207,7 +216,7 @@ static void find_footprints(Reader *r, const Body *body, const Frame *frame, Fou
     if (rings == 0) return;
     // Exactly as much as needed: there may be millions.
     size_t head = (size_t)body->count * sizeof(IfcFootprint), middle = (size_t)rings * sizeof(IfcRing);
-    char *memory = arena_alloc(&r->kept, head + middle + (size_t)points * sizeof(Vec2), 1);
+    char *memory = arena_alloc(arena, head + middle + (size_t)points * sizeof(Vec2), 1);
     found->footprints = (IfcFootprint *)memory;
     found->points = (Vec2 *)(memory + head);
     found->rings = (IfcRing *)(memory + head + (size_t)points * sizeof(Vec2));
@@ -218,13 +227,14 @@ static void find_footprints(Reader *r, const Body *body, const Frame *frame, Fou
         for (int k = 0; k < prism->ring_count; k++) total += prism->size[k];
         if (!is_upright(r, prism, frame, total, &corners)) continue;
         double base = corners[0].z, top = base + frame_turn(frame, prism->sweep).z;
-        found->footprints[found->footprint_count++] =
-            (IfcFootprint){found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
+        found->footprints[found->footprint_count++] = (IfcFootprint){
+            found->ring_count, prism->ring_count, fmin(base, top), fmax(base, top), prism->clipped};
         for (int ring = 0, first = 0; ring < prism->ring_count; first += prism->size[ring], ring++) {
             int count = prism->size[ring];
             double twice = 0;
             for (int k = 0; k < count; k++) {
-                Vec3 a = vec3_sub(corners[first + k], corners[first]), b = vec3_sub(corners[first + (k + 1) % count], corners[first]);
+                Vec3 a = vec3_sub(corners[first + k], corners[first]),
+                     b = vec3_sub(corners[first + (k + 1) % count], corners[first]);
                 twice += a.x * b.y - a.y * b.x;
             }
             bool turn = (twice > 0) == (ring > 0);
@@ -299,8 +309,8 @@ static void read_shape(void *context, int index, int thread) {
     Reader *r = &work->readers[thread];
     const Relations *rel = work->relations;
     IfcProduct *p = &work->model->products[index];
+    ifc_begin(r, index);
     if (ifc_too_many(r)) return;
-    r->product = index;
     Body body = {0}, cut;
     read_body(r, rel->record[index], &body);
     p->item_count = body.count;
@@ -316,7 +326,7 @@ static void read_shape(void *context, int index, int thread) {
         p->mesh = p->whole_mesh;
         for (int i = 0; i < p->whole_mesh.corner_count; i++)
             p->box = box_add(p->box, p->whole_mesh.corners[i]);
-        find_footprints(r, &body, &frame, &work->found[index]);
+        find_footprints(r, &work->prisms[thread], &body, &frame, &work->found[index]);
         if (body.count > 0 && p->kind != IFC_OPENING && ifc_pair(&rel->openings, rel->record[index]) >= 0) {
             cut_openings(r, work, index, &body, &cut);
             make_mesh(&r->kept, &cut, &frame, look, &p->mesh);
@@ -425,6 +435,27 @@ static bool tell_damage(const IfcFile *file, const Reader *readers, int threads,
                      file->step.path, step_line(&file->step, bad), shown, file->step.text + bad);
 }
 
+static bool finish(const IfcFile *file, const Work *work, int threads, Arena *arena, Error *error) {
+    IfcModel *model = work->model;
+    if (!tell_damage(file, work->readers, threads, error)) return false;
+    if (ifc_too_many(&work->readers[0]))
+        return error_set(error, "%s: makes more than %lld polygons (the limit for %zu bytes)",
+                         file->step.path, file->most_polygons, file->step.size);
+    model->schema = arena_string(arena, file->step.schema);
+    model->unit = file->length;
+    model->material_count = file->material_count;
+    model->materials = memcpy(ARENA_ARRAY(arena, IfcMaterial, file->material_count + 1), file->materials,
+                              (size_t)file->material_count * sizeof(IfcMaterial));
+    for (int i = 0; i < model->material_count; i++)
+        model->materials[i].name = arena_string(arena, model->materials[i].name);
+    join_footprints(arena, work, model);
+    join_notes(arena, work, threads, model);
+    move_near(model);
+    for (int i = 0; i < model->product_count; i++)
+        model->polygon_count += model->products[i].mesh.polygon_count;
+    return true;
+}
+
 static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena *shared, Error *error) {
     Reader *r = &work->readers[0];
     IfcModel *model = work->model;
@@ -445,25 +476,12 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
                     ARENA_ARRAY(shared, Arena, threads)};
     parallel_for(threads, file->maps.count, read_map, &maps);
     file->map_bodies = maps.bodies;
+    work->prisms = ARENA_ARRAY(shared, Arena, threads);
     parallel_for(threads, model->product_count, read_shape, work);
+    bool good = finish(file, work, threads, arena, error);
+    for (int t = 0; t < threads; t++) arena_free(&work->prisms[t]);
     for (int t = 0; t < threads; t++) arena_free(&maps.arenas[t]);
-    if (!tell_damage(file, work->readers, threads, error)) return false;
-    if (ifc_too_many(r))
-        return error_set(error, "%s: makes more than %lld polygons (the limit for %zu bytes)",
-                         file->step.path, file->most_polygons, file->step.size);
-    model->schema = arena_string(arena, file->step.schema);
-    model->unit = file->length;
-    model->material_count = file->material_count;
-    model->materials = memcpy(ARENA_ARRAY(arena, IfcMaterial, file->material_count + 1), file->materials,
-                              (size_t)file->material_count * sizeof(IfcMaterial));
-    for (int i = 0; i < model->material_count; i++)
-        model->materials[i].name = arena_string(arena, model->materials[i].name);
-    join_footprints(arena, work, model);
-    join_notes(arena, work, threads, model);
-    move_near(model);
-    for (int i = 0; i < model->product_count; i++)
-        model->polygon_count += model->products[i].mesh.polygon_count;
-    return true;
+    return good;
 }
 
 bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena *arena, IfcModel *out,
@@ -474,8 +492,8 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
     long long polygons = 0;
     IfcFile file = {.options = *options, .polygons = &polygons};
     StepTypes types = {TYPE_NAMES, T_COUNT};
-    // A small file may make a million faces by mapping, a large one as many as its text may tell.
-    file.most_polygons = 1000000 + (long long)content.size / 8;
+    // A small file may make 300,000 faces by mapping, a large one as many as its text may tell.
+    file.most_polygons = 300000 + (long long)content.size / 8;
     if (file.most_polygons > IFC_MOST_FACES) file.most_polygons = IFC_MOST_FACES;
     bool good = step_read(path, content, &types, threads, &shared, &file.step, error);
     if (good) {

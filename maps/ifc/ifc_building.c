@@ -61,6 +61,8 @@ static void add_notes(IfcPlan *p) {
     building_note_tally(
         p->arena, p->b, p->path, &p->low_doors,
         "doors or windows stand in walls that do not bound rooms: they are seen, and stay shut");
+    building_note_tally(p->arena, p->b, p->path, &p->too_many,
+                        "products would make more than 4000000 polygons: left out");
 }
 
 // A model of products that bound nothing.
@@ -103,7 +105,7 @@ static bool make_building(IfcPlan *p, Error *error) {
     return true;
 }
 
-static bool read(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+static bool read_ifc(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     IfcPlan p = {.path = path, .arena = arena, .b = out};
     IfcModel model;
     IfcOptions options = ifc_default_options();
@@ -126,5 +128,5 @@ const MapsReader MAPS_READER_IFC = {
     .suffixes = ".ifc",
     .summary = "building models of IFC 2x3 and 4 as STEP files: spaces, walls, doors, furniture",
     .recognise = ifc_recognise,
-    .read = read,
+    .read = read_ifc,
 };

@@ -6,6 +6,7 @@
 #ifndef MAPS_IFC_BUILDING_H
 #define MAPS_IFC_BUILDING_H
 
+#include "engine/core/box_tree.h"
 #include "maps/building/building.h"
 #include "maps/building/sketch.h"
 #include "maps/ifc/ifc.h"
@@ -38,12 +39,22 @@ typedef struct IfcPlan {
     IfcRoom *rooms;        // smaller ones first, so that a room within a larger one keeps its place
     IfcHole *holes;        // [sketch.opening_count]
     SolidOutlines *walls;  // [product_count] the parts of the plan that a wall covers
-    int *storey;           // [model->storey_count] the building's storey, -1: it became none
-    int *material;         // [model->material_count] of the building, -1: not yet
+    // Boxes of rooms, and of walls that bound rooms by product; trees over them, and the last hits.
+    Box *room_box, *wall_box;
+    BoxTree room_tree, wall_tree;
+    BoxHits near;
+    int *storey;    // [model->storey_count] the building's storey, -1: it became none
+    int *material;  // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
-    NoteTally no_body, recesses, small_holes, roof_windows, low_doors;
+    NoteTally no_body, recesses, small_holes, roof_windows, low_doors, too_many;
 } IfcPlan;
+
+// ---- ifc_building_looks.c
+const char *ifc_name(const IfcPlan *p, int product);   // of a space its number and its name
+const char *ifc_place(const IfcPlan *p, int product);  // for notes: #12 door `D-1`
+int ifc_material(IfcPlan *p, int material,
+                 int otherwise);  // in the building; `otherwise` for polygons without a style
 
 // ---- ifc_building_plan.c
 bool ifc_plan_storeys(IfcPlan *p, Error *error);  // finds rooms, too
@@ -54,7 +65,7 @@ bool ifc_is_stair(const IfcModel *m, const IfcProduct *it);  // flights, ramps, 
 // The storey on which something stands whose foot is at this height.
 int ifc_storey_at(const IfcPlan *p, double z);
 // The room of a storey, or of any (-1), in which a place is; -1: none.
-int ifc_room_at(const IfcPlan *p, int storey, Vec3 place);
+int ifc_room_at(IfcPlan *p, int storey, Vec3 place);
 
 // ---- ifc_building_openings.c
 void ifc_plan_openings(IfcPlan *p);
@@ -67,8 +78,5 @@ int ifc_material(IfcPlan *p, int material,
 void ifc_add_objects(IfcPlan *p);
 // Adds the polygons of a mesh as an object. Returns it, -1 where nothing is left.
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise);
-// `#12 door `D-1``, for notes.
-const char *ifc_place(const IfcPlan *p, int product);
-const char *ifc_name(const IfcPlan *p, int product);
 
 #endif

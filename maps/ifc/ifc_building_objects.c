@@ -1,14 +1,11 @@
 // ifc_building_objects.c - the bodies of products as objects: furniture, stairs, columns, roofs, balconies, lamps; and styles as
 // materials. Walls, and floors under rooms, are made from the free space; of a slab only what lies beyond rooms and walls is added.
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 #include "maps/ifc/ifc_building.h"
 
-// Glass whose style is opaque, and a share below which nothing is seen of a polygon.
-static const float GLASS_ALPHA = 0.3f, CLEAREST = 0.05f;
 // Radiant flux of a light fixture, W: some 2,300 lm, as a luminaire of an office has. Files seldom say it.
 static const double LAMP_WATTS = 10;
 static const double LAMP_RADIUS = 0.0325;
@@ -16,51 +13,13 @@ static const double LAMP_RADIUS = 0.0325;
 static const double IN_PLANE = 0.01;
 // The part of a slab beyond rooms and walls counts from this area and width on, metres^2 and metres.
 static const double BALCONY = 0.5, BALCONY_WIDTH = 0.15;
-
-const char *ifc_name(const IfcPlan *p, int product) {
-    const IfcProduct *it = &p->model->products[product];
-    const char *number = it->name, *name = it->long_name;
-    if (it->kind != IFC_SPACE || !*name || strcmp(name, number) == 0) return *number ? number : name;
-    return *number ? arena_format(p->arena, "%s %s", number, name) : name;
-}
-
-const char *ifc_place(const IfcPlan *p, int product) {
-    const IfcProduct *it = &p->model->products[product];
-    const char *kind = it->kind == IFC_OTHER ? it->type : ifc_kind_name(it->kind),
-               *name = ifc_name(p, product);
-    return *name ? arena_format(p->arena, "#%d %s `%.80s`", it->entity, kind, name)
-                 : arena_format(p->arena, "#%d %s", it->entity, kind);
-}
-
-// ---- materials
-
-static int channel(float c) { return (int)lrintf(fminf(fmaxf(c, 0), 1) * 255); }
-
-static bool is_glass(const char *name) {
-    static const char *const WORDS[] = {"glas", "verre", "vetro", "vidrio", "cristal", NULL};
-    for (int i = 0; WORDS[i]; i++)
-        if (strcasestr(name, WORDS[i])) return true;
-    return false;
-}
-
-int ifc_material(IfcPlan *p, int material, int otherwise) {
-    if (material <= 0) return otherwise;
-    if (p->material[material] >= 0) return p->material[material];
-    const IfcMaterial *m = &p->model->materials[material];
-    unsigned rgb = 0;
-    for (int i = 0; i < 3; i++) rgb = rgb << 8 | (unsigned)channel(m->colour[i]);
-    Material out = {.name = arena_string(p->arena, m->name),
-                    .reflectance = maps_colour(rgb),
-                    .alpha = fminf(fmaxf(m->alpha, CLEAREST), 1)};
-    if (out.alpha > 0.99f) out.alpha = 1;
-    if (out.alpha == 1 && is_glass(m->name)) out.alpha = GLASS_ALPHA;
-    return p->material[material] = building_add_material(p->arena, p->b, out);
-}
+// Rooms and walls within this above and below a slab stand on it or hang from it, metres.
+static const double BESIDE = 0.5;
 
 // ---- meshes
 
 // Whether a level polygon lies in the floor or the ceiling of a room, which is there already.
-static bool in_room_plane(const IfcPlan *p, const Vec3 *c, int count) {
+static bool in_room_plane(IfcPlan *p, const Vec3 *c, int count) {
     double low = INFINITY, high = -INFINITY;
     Vec3 middle = vec3(0, 0, 0);
     for (int i = 0; i < count; i++) {
@@ -80,8 +39,11 @@ static bool in_room_plane(const IfcPlan *p, const Vec3 *c, int count) {
 
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise) {
     Building *b = p->b;
-    if (mesh->polygon_count == 0 || b->polygon_count + mesh->polygon_count > BUILDING_MOST_POLYGONS)
+    if (mesh->polygon_count == 0) return -1;
+    if (b->polygon_count > BUILDING_MOST_POLYGONS - mesh->polygon_count) {
+        building_tally(&p->too_many, name, mesh->corners[0]);
         return -1;
+    }
     int object = building_add_object(p->arena, b, kind, name);
     for (int i = 0; i < mesh->polygon_count; i++) {
         const IfcPolygon *polygon = &mesh->polygons[i];
@@ -95,7 +57,7 @@ int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *n
     return -1;
 }
 
-static void add_lamp(IfcPlan *p, int product, int object) {
+static void add_fixture(IfcPlan *p, int product, int object) {
     const IfcProduct *it = &p->model->products[product];
     Box box = it->box;
     Vec3 at = vec3_lerp(box.min, box.max, 0.5);
@@ -134,24 +96,23 @@ static void add_plate(IfcPlan *p, const SolidOutline *o, double z0, double z1, i
 
 // Balconies, terraces and landings: what of a level slab lies beyond the rooms and walls beside it.
 static void add_slab(IfcPlan *p, int product) {
-    const IfcModel *m = p->model;
-    const IfcProduct *it = &m->products[product];
+    const IfcProduct *it = &p->model->products[product];
     double z0 = it->box.min.z, z1 = it->box.max.z, middle = (z0 + z1) / 2;
     SolidOutlines within = {NULL, 0, 0};
-    for (int i = 0; i < p->room_count; i++) {
-        const IfcRoom *room = &p->rooms[i];
+    Box around = it->box;
+    around.min.z -= BESIDE;
+    around.max.z += BESIDE;
+    for (int n = box_tree_find(&p->room_tree, around, &p->scratch, &p->near); n-- > 0;) {
+        const IfcRoom *room = &p->rooms[p->near.items[n]];
         // A room through whose middle the slab reaches does not hide it.
-        if (z0 > room->z0 + 0.5 && z1 < room->z1 - 0.5) continue;
-        if (room->z1 < z0 - 0.5 || room->z0 > z1 + 0.5) continue;
+        if (z0 > room->z0 + BESIDE && z1 < room->z1 - BESIDE) continue;
         for (int k = 0; k < room->outline.count; k++)
             *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = room->outline.items[k];
     }
-    for (int i = 0; i < m->product_count; i++) {
-        if (p->walls[i].count == 0 || m->products[i].box.min.z > z1 + 0.1 ||
-            m->products[i].box.max.z < z0 - 0.1)
-            continue;
-        for (int k = 0; k < p->walls[i].count; k++)
-            *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = p->walls[i].items[k];
+    for (int n = box_tree_find(&p->wall_tree, around, &p->scratch, &p->near); n-- > 0;) {
+        const SolidOutlines *wall = &p->walls[p->near.items[n]];
+        for (int k = 0; k < wall->count; k++)
+            *ARENA_PUSH(&p->scratch, within.items, within.count, within.capacity) = wall->items[k];
     }
     for (int i = 0; i < it->mesh.polygon_count; i++)
         solid_add(p->tracer, it->mesh.corners + it->mesh.polygons[i].first_corner,
@@ -171,25 +132,23 @@ static void add_slab(IfcPlan *p, int product) {
 
 // A slab between level planes, whose parts can be taken away in plan.
 static bool is_level(const IfcProduct *it) {
-    double volume_like = 0, level = 0;
     for (int i = 0; i < it->mesh.polygon_count; i++) {
         const IfcPolygon *polygon = &it->mesh.polygons[i];
         Plane plane = plane_of_polygon(it->mesh.corners + polygon->first_corner, polygon->corner_count);
-        volume_like += 1;
-        level += fabs(plane.n.z) > 0.9999 || fabs(plane.n.z) < 1e-4;
+        if (fabs(plane.n.z) < 0.9999 && fabs(plane.n.z) > 1e-4) return false;
     }
-    return volume_like > 0 && level == volume_like;
+    return it->mesh.polygon_count > 0;
 }
 
 // ---- all
 
-static bool in_wall(const IfcPlan *p, const IfcProduct *it) {
+// Whether the middle of a thing is in a wall.
+static bool in_wall(IfcPlan *p, const IfcProduct *it) {
     Vec3 middle = vec3_lerp(it->box.min, it->box.max, 0.5);
-    for (int i = 0; i < p->model->product_count; i++)
-        for (int k = 0; k < p->walls[i].count; k++)
-            if (solid_contains(&p->walls[i].items[k], vec2(middle.x, middle.y)) &&
-                box_overlap(it->box, p->model->products[i].box))
-                return true;
+    int count = box_tree_find(&p->wall_tree, (Box){middle, middle}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++)
+        for (int k = 0, wall = p->near.items[i]; k < p->walls[wall].count; k++)
+            if (solid_contains(&p->walls[wall].items[k], vec2(middle.x, middle.y))) return true;
     return false;
 }
 
@@ -224,7 +183,7 @@ static void add_product(IfcPlan *p, int product) {
             box = true;
             break;
         }
-        if (it->mesh.polygon_count && is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
+        if (is_level(it) && strcasecmp(it->predefined, "ROOF") != 0) {
             add_slab(p, product);
             return;
         }
@@ -261,7 +220,7 @@ static void add_product(IfcPlan *p, int product) {
     }
     object = ifc_add_mesh(p, &it->mesh, kind, name, otherwise);
     if (object >= 0 && box) building_set_proxy(p->b, atan2(it->axis[0].y, it->axis[0].x));
-    if (it->kind == IFC_LIGHT && object >= 0) add_lamp(p, product, object);
+    if (it->kind == IFC_LIGHT && object >= 0) add_fixture(p, product, object);
 }
 
 void ifc_add_objects(IfcPlan *p) {

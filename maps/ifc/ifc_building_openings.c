@@ -99,11 +99,12 @@ static Box polygon_box(const IfcHole *h, const IfcMesh *mesh, int polygon) {
 }
 
 // The wall in which a door that fills no opening stands, -1: none.
-static int wall_near(const IfcPlan *p, const IfcProduct *it) {
+static int wall_near(IfcPlan *p, const IfcProduct *it) {
     Vec3 middle = vec3_lerp(it->box.min, it->box.max, 0.5);
-    for (int i = 0; i < p->model->product_count; i++)
-        for (int k = 0; k < p->walls[i].count; k++)
-            if (solid_contains(&p->walls[i].items[k], plan_of(middle))) return i;
+    int count = box_tree_find(&p->wall_tree, (Box){middle, middle}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++)
+        for (int k = 0, wall = p->near.items[i]; k < p->walls[wall].count; k++)
+            if (solid_contains(&p->walls[wall].items[k], plan_of(middle))) return wall;
     return -1;
 }
 
@@ -184,7 +185,7 @@ static int by_place(const void *pa, const void *pb) {
 }
 
 // The part of a mesh to which each polygon belongs, by places that polygons share: [polygon_count].
-static int *find_parts(IfcPlan *p, const IfcMesh *mesh) {
+static int *part_of_polygons(IfcPlan *p, const IfcMesh *mesh) {
     int *parent = ARENA_ARRAY(&p->scratch, int, mesh->corner_count + 1),
         *part = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
     Corner *corners = ARENA_ARRAY(&p->scratch, Corner, mesh->corner_count + 1);
@@ -209,7 +210,7 @@ enum { FRAME = -1, OPEN_LEAF = -2 };
 
 // Which leaf each polygon of a door moves with: [polygon_count], FRAME, or OPEN_LEAF where a leaf is drawn open.
 static int *find_leaves(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h, bool two) {
-    int *part = find_parts(p, mesh), *leaf = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
+    int *part = part_of_polygons(p, mesh), *leaf = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
     Box *extent = ARENA_ARRAY(&p->scratch, Box, mesh->corner_count + 1);
     bool *moves = ARENA_ARRAY(&p->scratch, bool, mesh->corner_count + 1);
     double height = h->z1 - h->z0;
@@ -224,8 +225,10 @@ static int *find_leaves(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h, bool 
     }
     for (int i = 0; i < mesh->polygon_count; i++) {
         Box box = extent[part[i]];
+        // Leaves that touch in the middle are one part, but no polygon is of both.
+        Box own = polygon_box(h, mesh, i);
         bool open = box.max.y - box.min.y > OPEN_DEPTH * h->width && box.max.z - box.min.z > 0.6 * height;
-        leaf[i] = open ? OPEN_LEAF : !moves[part[i]] ? FRAME : two && box.min.x + box.max.x > 0 ? 1 : 0;
+        leaf[i] = open ? OPEN_LEAF : !moves[part[i]] ? FRAME : two && own.min.x + own.max.x > 0 ? 1 : 0;
     }
     return leaf;
 }
@@ -305,7 +308,7 @@ static void add_window(IfcPlan *p, int opening, const IfcProduct *window) {
     const char *name = p->sketch.openings[opening].name;
     int *mark = ARENA_ARRAY(&p->scratch, int, window->mesh.polygon_count + 1);
     if (!clear) {
-        int *part = find_parts(p, &window->mesh);
+        int *part = part_of_polygons(p, &window->mesh);
         Box *extent = ARENA_ARRAY(&p->scratch, Box, window->mesh.corner_count + 1);
         for (int i = 0; i < window->mesh.corner_count; i++) extent[i] = box_empty();
         for (int i = 0; i < window->mesh.polygon_count; i++)
@@ -340,7 +343,8 @@ static void set_operation(const IfcProduct *door, const IfcHole *h, SketchOpenin
         o->slide = two ? h->width / 2 : o->hinge == 1 ? h->width : -h->width;
 }
 
-static void add_opening(IfcPlan *p, const IfcHole *hole, const IfcProduct *body, const IfcProduct *filling) {
+static void sketch_opening(IfcPlan *p, const IfcHole *hole, const IfcProduct *body,
+                           const IfcProduct *filling) {
     Sketch *s = &p->sketch;
     SketchOpening o = {.storey = ifc_storey_at(p, hole->z0 + 0.01),
                        .centre = hole->centre,
@@ -435,7 +439,7 @@ static void plan_opening(IfcPlan *p, int product) {
         building_tally(&p->small_holes, ifc_place(p, product), middle);
         return;
     }
-    add_opening(p, &hole, body, filling);
+    sketch_opening(p, &hole, body, filling);
 }
 
 void ifc_plan_openings(IfcPlan *p) {
@@ -457,7 +461,7 @@ void ifc_plan_openings(IfcPlan *p) {
 // ---- doors and the spaces they join
 
 // The space at one side of a door, as far from it as a person stands.
-static int space_beside(const IfcPlan *p, const IfcHole *h, int side) {
+static int space_beside(IfcPlan *p, const IfcHole *h, int side) {
     for (double away = 0.1; away < 0.6; away += 0.1) {
         Vec2 at = vec2_add(h->centre, vec2_scale(h->n, side * (h->depth / 2 + away)));
         int room = ifc_room_at(p, -1, vec3(at.x, at.y, h->z0 + 0.5 * (h->z1 - h->z0)));

@@ -11,11 +11,11 @@
 static const double SAME_FLOOR = 0.3;
 // A space belongs to the storey that its file says, if its floor is within this of the storey's; else to that below it.
 static const double STOREY_REACH = 1.5;
-// What stands this far below a floor still stands on it.
+// A thing whose foot is this far below a floor still stands on it.
 static const double STEP = 0.3;
 // Heights nearer than this are equal.
 static const double SAME_HEIGHT = 0.002;
-// Of a space, this much above its floor and below its ceiling is left out where its outline is traced; and of a wall.
+// An outline is traced from this far above the foot of a space or wall to this far below its top.
 static const double TRACE = 0.01;
 // Spaces lower or smaller than this are no rooms: metres, metres^2.
 static const double LEAST_HEIGHT = 0.5, LEAST_AREA = 0.05;
@@ -83,7 +83,7 @@ static SolidOutlines cover_parts(IfcPlan *p, int product, double z0, double z1) 
     return out.count > 1 ? solid_union(p->tracer, &out) : out;
 }
 
-// What a product covers of the plan between two heights.
+// The parts of the plan that a product covers between two heights.
 static SolidOutlines cover(IfcPlan *p, int product, double z0, double z1) {
     const IfcProduct *it = &p->model->products[product];
     SolidOutlines out = {NULL, 0, 0};
@@ -132,7 +132,7 @@ static void measure_spaces(IfcPlan *p) {
         }
         *ARENA_PUSH(&p->scratch, p->rooms, p->room_count, p->room_capacity) = room;
     }
-    qsort(p->rooms, (size_t)p->room_count, sizeof *p->rooms, by_area);
+    if (p->room_count > 1) qsort(p->rooms, (size_t)p->room_count, sizeof *p->rooms, by_area);
 }
 
 // A space that consists of others is a zone: a flat, a gross area.
@@ -281,11 +281,14 @@ static void measure_storeys(IfcPlan *p) {
     }
 }
 
+static void index_rooms(IfcPlan *p);
+
 bool ifc_plan_storeys(IfcPlan *p, Error *error) {
     const IfcModel *m = p->model;
     Building *b = p->b;
     measure_spaces(p);
     drop_zones(p);
+    index_rooms(p);
     int count;
     const Level *levels = find_levels(p, &count);
     for (int i = 0; i < m->storey_count; i++) p->storey[i] = -1;
@@ -308,14 +311,21 @@ bool ifc_plan_storeys(IfcPlan *p, Error *error) {
 
 // ---- rooms
 
-int ifc_room_at(const IfcPlan *p, int storey, Vec3 place) {
-    for (int i = 0; i < p->room_count; i++) {
-        const IfcRoom *room = &p->rooms[i];
+int ifc_room_at(IfcPlan *p, int storey, Vec3 place) {
+    int count = box_tree_find(&p->room_tree, (Box){place, place}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++) {
+        const IfcRoom *room = &p->rooms[p->near.items[i]];
         if ((storey >= 0 && room->storey != storey) || place.z <= room->z0 || place.z >= room->z1) continue;
         for (int k = 0; k < room->outline.count; k++)
-            if (solid_contains(&room->outline.items[k], vec2(place.x, place.y))) return i;
+            if (solid_contains(&room->outline.items[k], vec2(place.x, place.y))) return p->near.items[i];
     }
     return -1;
+}
+
+static void index_rooms(IfcPlan *p) {
+    p->room_box = ARENA_ARRAY(&p->scratch, Box, p->room_count);
+    for (int i = 0; i < p->room_count; i++) p->room_box[i] = p->model->products[p->rooms[i].product].box;
+    p->room_tree = box_tree_build(p->room_box, p->room_count, &p->scratch);
 }
 
 static int add_points(IfcPlan *p, const Vec2 *points, int count, const int *material) {
@@ -403,7 +413,8 @@ static void add_inner_faces(IfcPlan *p, const IfcRoom *room) {
         if (!begun) building_add_object(p->arena, p->b, OBJECT_LOW_WALL, "sloped ceiling");
         begun = true;
         Vec3 *turned = ARENA_ARRAY(&p->scratch, Vec3, n);
-        for (int k = 0; k < n; k++) turned[k] = c[n - 1 - k];
+        // Before the roof's own underside, which lies in the same plane.
+        for (int k = 0; k < n; k++) turned[k] = vec3_sub(c[n - 1 - k], vec3_scale(plane.n, EDGE));
         building_add_polygon(p->arena, p->b, turned, n,
                              floor     ? p->floor_material
                              : ceiling ? p->ceiling_material
@@ -419,26 +430,24 @@ static const double WALL_REACH = 0.35, PROBE = 0.2, THIN_WALL = 0.05;
 static const double OPEN_SHARE = 0.4, ROOFED = 0.5;
 
 // Whether a wall that bounds the room, or another room, stands at a place.
-static bool is_bounded_at(const IfcPlan *p, const IfcRoom *room, Vec2 at) {
-    const IfcModel *m = p->model;
+static bool is_bounded_at(IfcPlan *p, const IfcRoom *room, Vec2 at) {
     double half = room->z0 + 0.5 * fmin(room->z1 - room->z0, SKETCH_LEAST_ROOM);
     int other = ifc_room_at(p, room->storey, vec3(at.x, at.y, half));
     if (other >= 0 && &p->rooms[other] != room) return true;
-    for (int i = 0; i < m->product_count; i++) {
-        Box box = m->products[i].box;
-        // A curtain wall has the bodies of its parts alone.
-        if (p->walls[i].count == 0 ||
-            (!box_is_empty(box) && (box.min.z > room->z0 + STEP ||
-                                    box.max.z < fmin(room->z1 - CEILING_GAP, room->z0 + SKETCH_LEAST_ROOM))))
-            continue;
-        for (int k = 0; k < p->walls[i].count; k++)
-            if (solid_contains(&p->walls[i].items[k], at)) return true;
+    double high = fmin(room->z1 - CEILING_GAP, room->z0 + SKETCH_LEAST_ROOM);
+    Vec3 place = vec3(at.x, at.y, half);
+    int count = box_tree_find(&p->wall_tree, (Box){place, place}, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++) {
+        int wall = p->near.items[i];
+        if (p->wall_box[wall].min.z > room->z0 + STEP || p->wall_box[wall].max.z < high) continue;
+        for (int k = 0; k < p->walls[wall].count; k++)
+            if (solid_contains(&p->walls[wall].items[k], at)) return true;
     }
     return false;
 }
 
 // The length of the room's outline along which nothing bounds it, and its share of the outline.
-static double open_length(const IfcPlan *p, const IfcRoom *room, double *share) {
+static double open_length(IfcPlan *p, const IfcRoom *room, double *share) {
     double open = 0, all = 0;
     for (int i = 0; i < room->outline.count; i++) {
         const SolidOutline *o = &room->outline.items[i];
@@ -601,6 +610,7 @@ static void plan_wall(IfcPlan *p, int product) {
         }
         reached = fmax(reached, top);
     }
+    if (all->count > 0) p->wall_box[product] = box;
     static const double ROOF = 0.15;  // of maps_enclose, above ceilings that nothing stands on
     if (reached > low && high > reached + ROOF + 0.05 &&
         ifc_storey_at(p, high) == ifc_storey_at(p, reached - STEP))
@@ -609,8 +619,12 @@ static void plan_wall(IfcPlan *p, int product) {
 
 void ifc_plan_walls(IfcPlan *p) {
     const IfcModel *m = p->model;
-    for (int i = 0; i < m->product_count; i++)
+    p->wall_box = ARENA_ARRAY(&p->scratch, Box, m->product_count);
+    for (int i = 0; i < m->product_count; i++) {
+        p->wall_box[i] = box_empty();
         if (m->products[i].kind == IFC_WALL || m->products[i].kind == IFC_CURTAIN_WALL) plan_wall(p, i);
+    }
+    p->wall_tree = box_tree_build(p->wall_box, m->product_count, &p->scratch);
 }
 
 // ---- floors
@@ -691,6 +705,7 @@ static double ceiling_over(const IfcPlan *p, Box stair, double z) {
 // Stairs that lead up to a floor need a hole in it, whether the slab has one or not: over all steps on which a person meets the ceiling.
 static void cut_for_stairs(IfcPlan *p, int storey) {
     const IfcModel *m = p->model;
+    SolidOutlines all = {NULL, 0, 0};
     double floor = p->b->storeys[storey].floor;
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
@@ -699,11 +714,13 @@ static void cut_for_stairs(IfcPlan *p, int storey) {
         if (stair.max.z < floor - STEP || stair.min.z > floor - 1) continue;
         double from = fmax(ceiling_over(p, stair, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
         // The last step may be level with the floor, or the floor itself.
-        if (from >= fmin(it->box.max.z, floor - 0.05)) continue;
+        if (from >= fmin(it->box.max.z, floor - LEAST_SLAB)) continue;
         trace_mesh(p, &it->mesh);
-        SolidOutlines steps = solid_cover(p->tracer, from, fmin(it->box.max.z, floor - 0.05));
-        add_cutouts(p, storey, &steps, NULL, ifc_place(p, i));
+        SolidOutlines steps = solid_cover(p->tracer, from, fmin(it->box.max.z, floor - LEAST_SLAB));
+        append_all(p, &all, &steps);
     }
+    SolidOutlines holes = solid_union(p->tracer, &all);
+    add_cutouts(p, storey, &holes, NULL, "hole for a stair");
 }
 
 static void cut_floors(IfcPlan *p) {

@@ -62,17 +62,19 @@ typedef struct RawNote {
 // One thread's state.
 typedef struct Reader {
     const IfcFile *file;
-    Arena scratch;  // until the product is done
-    Arena kept;     // until the end
+    Arena scratch;        // until the product is done
+    Arena kept;           // until the end
     StepStrings strings;  // in `kept`
-    size_t bad;     // the first byte that is no argument
+    size_t bad;           // the first byte that is no argument
     RawNote *notes;
     int note_count, note_room;
-    int product;  // that is read, an index; -1: none
-    int depth;    // of items within items
+    int product;       // that is read, an index; -1: none
+    int depth;         // of items within items
+    long long visits;  // of items, profiles and curves since the product or the map began
 } Reader;
 
 enum {
+    IFC_VISITS = 16,            // visits of items, profiles and curves that count as a polygon
     IFC_DEEPEST = 40,           // items within items, placements in placements
     IFC_LONGEST_CHAIN = 10000,  // booleans whose first operand is a boolean
     IFC_MOST_CHORDS = 256,      // of an arc or circle
@@ -157,6 +159,12 @@ void ifc_representation(Reader *r, int record, const Frame *frame, int material,
 int ifc_style_of(const Reader *r, int record);
 void ifc_count_polygons(Reader *r, const Shape *shape);
 bool ifc_too_many(const Reader *r);
+// Enters an item, a profile or a curve that may contain others; false where there are too many within each other, which is noted.
+// Every call that returns true wants an ifc_leave.
+bool ifc_enter(Reader *r, int record);
+void ifc_leave(Reader *r);
+// Begins the next product or map: what was visited for the last one counts as polygons do.
+void ifc_begin(Reader *r, int product);
 
 // Units and looks (styles.c), before any product is read.
 void ifc_read_units(Reader *r, IfcFile *file);

@@ -9,6 +9,30 @@ bool ifc_too_many(const Reader *r) {
     return __atomic_load_n(r->file->polygons, __ATOMIC_RELAXED) > r->file->most_polygons;
 }
 
+bool ifc_enter(Reader *r, int record) {
+    if (r->depth >= IFC_DEEPEST) {
+        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
+        return false;
+    }
+    // Whatever a product is made of stands in the file a few times at most, unless it multiplies.
+    if (r->visits > 100000 + 4ll * r->file->step.record_count) {
+        ifc_note(r, record, "and others stand within each other too often");
+        return false;
+    }
+    r->depth++;
+    r->visits++;
+    return true;
+}
+
+void ifc_leave(Reader *r) { r->depth--; }
+
+void ifc_begin(Reader *r, int product) {
+    if (r->visits >= IFC_VISITS)
+        __atomic_fetch_add(r->file->polygons, r->visits / IFC_VISITS, __ATOMIC_RELAXED);
+    r->visits = 0;
+    r->product = product;
+}
+
 int ifc_style_of(const Reader *r, int record) {
     int at = ifc_pair(&r->file->styles, record);
     return at < 0 ? -1 : r->file->styles.pair[at].value;
@@ -111,7 +135,7 @@ static bool boolean_chain(Reader *r, int record, Shape *out, Prism *prism) {
         // Differences in a row are one difference of many tools.
         int n = 0, at = chain[i];
         ShapeBoolean operation = SHAPE_DIFFERENCE;
-            for (; i >= 0; i--) {
+        for (; i >= 0; i--) {
             ifc_arguments(r, chain[i], v, 3);
             operation = ifc_is(r, &v[0], "UNION")          ? SHAPE_UNION
                         : ifc_is(r, &v[0], "INTERSECTION") ? SHAPE_INTERSECTION
@@ -150,12 +174,7 @@ static bool boolean_chain(Reader *r, int record, Shape *out, Prism *prism) {
 static bool one_solid(Reader *r, int record, Shape *out, Prism *prism) {
     StepValue v[1];
     bool good = false;
-    if (r->depth >= IFC_DEEPEST) {
-        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
-        return false;
-    }
-    if (ifc_too_many(r)) return false;
-    r->depth++;
+    if (ifc_too_many(r) || !ifc_enter(r, record)) return false;
     switch (ifc_type(r, record)) {
     case T_EXTRUDEDAREASOLID:
     case T_EXTRUDEDAREASOLIDTAPERED:
@@ -207,7 +226,7 @@ static bool one_solid(Reader *r, int record, Shape *out, Prism *prism) {
         ifc_note(r, record, "is no body that is read");
         break;
     }
-    r->depth--;
+    ifc_leave(r);
     give_look(out, ifc_style_of(r, record));
     return good;
 }
@@ -275,12 +294,7 @@ static void mapped_item(Reader *r, int record, const Frame *frame, int material,
 void ifc_item(Reader *r, int record, const Frame *frame, int material, Body *out) {
     int type = ifc_type(r, record);
     if (type < 0 || is_drawing(type) || ifc_too_many(r)) return;
-    if (r->depth >= IFC_DEEPEST) {
-        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
-        return;
-    }
-    r->depth++;
-    __atomic_fetch_add(r->file->polygons, 1, __ATOMIC_RELAXED);
+    if (!ifc_enter(r, record)) return;
     if (type == T_MAPPEDITEM) {
         mapped_item(r, record, frame, material, out);
     } else {
@@ -288,7 +302,7 @@ void ifc_item(Reader *r, int record, const Frame *frame, int material, Body *out
         if (one_solid(r, record, &item.shape, &item.prism) && item.shape.face_count > 0)
             map_item(r, &item, frame, material, out);
     }
-    r->depth--;
+    ifc_leave(r);
 }
 
 void ifc_representation(Reader *r, int record, const Frame *frame, int material, Body *out) {

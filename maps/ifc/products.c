@@ -161,8 +161,7 @@ static const char *enumerator(Reader *r, const StepValue *v) {
     return out;
 }
 
-static const char *operation_of(Reader *r, const Relations *rel, int record,
-                                const StepValue *own) {
+static const char *operation_of(Reader *r, const Relations *rel, int record, const StepValue *own) {
     StepValue v[11];
     if (own->kind == STEP_ENUM) return enumerator(r, own);
     int type = value_of(&rel->types, record);
@@ -190,10 +189,7 @@ void ifc_read_product(Reader *r, const Relations *rel, int product, IfcProduct *
     p->object_type = step_string(step, &v[4], &r->strings);
     p->long_name = p->kind == IFC_SPACE || p->kind == IFC_SITE ? step_string(step, &v[7], &r->strings) : "";
     bool leaf = p->kind == IFC_DOOR || p->kind == IFC_WINDOW;
-    p->predefined = p->kind == IFC_SITE ? ""
-                                        : enumerator(r, &v[p->kind == IFC_SPACE ? 9
-                                                        : leaf               ? 10
-                                                                             : 8]);
+    p->predefined = p->kind == IFC_SITE ? "" : enumerator(r, &v[p->kind == IFC_SPACE ? 9 : leaf ? 10 : 8]);
     p->operation = "";
     if (leaf) {
         p->height = ifc_length(r, &v[8], 0);
@@ -249,8 +245,8 @@ static void read_storeys(Reader *r, Arena *arena, Relations *rel, IfcModel *mode
         int record = rel->storeys.pair[i].key;
         ifc_arguments(r, record, v, 10);
         double z = v[5].record >= 0 ? ifc_placement(r, v[5].record).o.z : ifc_length(r, &v[9], 0);
-        model->storeys[i] = (IfcStorey){step->entity[record], step_string(step, &v[0], &r->strings), step_string(step, &v[2], &r->strings),
-                                        isfinite(z) ? z : 0};
+        model->storeys[i] = (IfcStorey){step->entity[record], step_string(step, &v[0], &r->strings),
+                                        step_string(step, &v[2], &r->strings), isfinite(z) ? z : 0};
         if (!model->storeys[i].name[0]) model->storeys[i].name = step_string(step, &v[7], &r->strings);
     }
     if (count > 1) qsort(model->storeys, (size_t)count, sizeof(IfcStorey), compare_storeys);

@@ -297,12 +297,8 @@ static bool any_profile(Reader *r, int record, Profile *out) {
 }
 
 bool ifc_profile(Reader *r, int record, Profile *out) {
-    if (r->depth >= IFC_DEEPEST) {
-        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
-        return false;
-    }
-    r->depth++;
+    if (!ifc_enter(r, record)) return false;
     bool good = any_profile(r, record, out);
-    r->depth--;
+    ifc_leave(r);
     return good;
 }

@@ -20,7 +20,8 @@ void shape_add(Arena *arena, Shape *shape, const Vec3 *corners, int count, int m
     // Newell's sum about the first corner, for the area and the plane at once.
     Vec3 sum = vec3(0, 0, 0), middle = corners[0];
     for (int i = 1; i + 1 < count; i++)
-        sum = vec3_add(sum, vec3_cross(vec3_sub(corners[i], corners[0]), vec3_sub(corners[i + 1], corners[0])));
+        sum =
+            vec3_add(sum, vec3_cross(vec3_sub(corners[i], corners[0]), vec3_sub(corners[i + 1], corners[0])));
     double twice = vec3_length(sum);
     if (count < 3 || !(twice >= 2 * SHAPE_SMALLEST_AREA)) return;
     for (int i = 1; i < count; i++) middle = vec3_add(middle, corners[i]);

@@ -57,7 +57,7 @@ typedef struct Pieces {
     int count, capacity;
 } Pieces;
 
-static void push(SolidTracer *t, Pieces *pieces, GEOSGeometry *g) {
+static void collect(SolidTracer *t, Pieces *pieces, GEOSGeometry *g) {
     if (g) *ARENA_PUSH(t->arena, pieces->items, pieces->count, pieces->capacity) = g;
 }
 
@@ -116,13 +116,13 @@ static int ring_points(const SolidTracer *t, const GEOSGeometry *ring, Vec2 *out
     return count;
 }
 
-static double ring_area(const Vec2 *p, int count) {
+static double signed_area(const Vec2 *p, int count) {
     double twice = 0;
     for (int i = 1; i + 1 < count; i++) twice += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0]));
     return twice / 2;
 }
 
-static void read_polygon(const SolidTracer *t, const GEOSGeometry *g, SolidOutlines *out) {
+static void take_polygon(const SolidTracer *t, const GEOSGeometry *g, SolidOutlines *out) {
     int holes = GEOSGetNumInteriorRings_r(t->geos, g), total = 0;
     SolidOutline o = {.ring = ARENA_ARRAY(t->arena, int, holes + 2), .ring_count = holes + 1};
     GEOSArea_r(t->geos, g, &o.area);
@@ -135,7 +135,7 @@ static void read_polygon(const SolidTracer *t, const GEOSGeometry *g, SolidOutli
         int count = ring_points(
             t, r ? GEOSGetInteriorRingN_r(t->geos, g, r - 1) : GEOSGetExteriorRing_r(t->geos, g), ring);
         o.ring[r + 1] = o.ring[r] + count;
-        if ((ring_area(ring, count) > 0) == (r == 0)) continue;
+        if ((signed_area(ring, count) > 0) == (r == 0)) continue;
         for (int i = 0; i < count / 2; i++) {
             Vec2 swap = ring[i];
             ring[i] = ring[count - 1 - i];
@@ -146,16 +146,17 @@ static void read_polygon(const SolidTracer *t, const GEOSGeometry *g, SolidOutli
 }
 
 // Appends the polygons of a geometry whose mean width is more than `narrowest`, metres.
-static void read_all(const SolidTracer *t, const GEOSGeometry *g, double narrowest, SolidOutlines *out) {
+static void gather_outlines(const SolidTracer *t, const GEOSGeometry *g, double narrowest,
+                            SolidOutlines *out) {
     int type = GEOSGeomTypeId_r(t->geos, g);
     if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION)
         for (int i = 0; i < GEOSGetNumGeometries_r(t->geos, g); i++)
-            read_all(t, GEOSGetGeometryN_r(t->geos, g, i), narrowest, out);
+            gather_outlines(t, GEOSGetGeometryN_r(t->geos, g, i), narrowest, out);
     if (type != GEOS_POLYGON || GEOSisEmpty_r(t->geos, g)) return;
     double area = 0, perimeter = 0;
     GEOSArea_r(t->geos, g, &area);
     GEOSLength_r(t->geos, g, &perimeter);
-    if (area >= SOLID_LEAST_AREA && 2 * area > narrowest * perimeter) read_polygon(t, g, out);
+    if (area >= SOLID_LEAST_AREA && 2 * area > narrowest * perimeter) take_polygon(t, g, out);
 }
 
 // Reads and destroys.
@@ -163,7 +164,7 @@ static SolidOutlines take(const SolidTracer *t, GEOSGeometry *g, double narrowes
     SolidOutlines out = {NULL, 0, 0};
     if (!g) return out;
     GEOSGeometry *simple = GEOSTopologyPreserveSimplify_r(t->geos, g, STRAIGHT);
-    read_all(t, simple ? simple : g, narrowest, &out);
+    gather_outlines(t, simple ? simple : g, narrowest, &out);
     if (simple) GEOSGeom_destroy_r(t->geos, simple);
     GEOSGeom_destroy_r(t->geos, g);
     return out;
@@ -215,7 +216,7 @@ static void add_section(SolidTracer *t, double z, Pieces *pieces) {
     for (int i = 0; i < count; i++) {
         Vec2 ends[2] = {segments[i].a, segments[i].b};
         if (!vec2_equal(ends[0], ends[1]))
-            push(t, &lines, GEOSGeom_createLineString_r(t->geos, sequence(t, ends, 2, false)));
+            collect(t, &lines, GEOSGeom_createLineString_r(t->geos, sequence(t, ends, 2, false)));
     }
     GEOSGeometry *noded = unite(t, &lines);
     const GEOSGeometry *list[1] = {noded};
@@ -229,13 +230,13 @@ static void add_section(SolidTracer *t, double z, Pieces *pieces) {
             GEOSGeomGetY_r(t->geos, point, &p.y);
         }
         if (point) GEOSGeom_destroy_r(t->geos, point);
-        if (inside_loops(segments, count, p)) push(t, pieces, GEOSGeom_clone_r(t->geos, cell));
+        if (inside_loops(segments, count, p)) collect(t, pieces, GEOSGeom_clone_r(t->geos, cell));
     }
     if (cells) GEOSGeom_destroy_r(t->geos, cells);
     if (noded) GEOSGeom_destroy_r(t->geos, noded);
 }
 
-static void add_faces(SolidTracer *t, double z0, double z1, Pieces *pieces) {
+static void project_faces(SolidTracer *t, double z0, double z1, Pieces *pieces) {
     for (int f = 0; f < t->count; f++) {
         int first = t->first[f], n = (f + 1 < t->count ? t->first[f + 1] : t->corner_count) - first;
         Vec3 *low = ARENA_ARRAY(t->arena, Vec3, n + 2), *both = ARENA_ARRAY(t->arena, Vec3, n + 2);
@@ -247,10 +248,10 @@ static void add_faces(SolidTracer *t, double z0, double z1, Pieces *pieces) {
         for (int i = 0; i < kept; i++) plan[i] = vec2(both[i].x, both[i].y);
         for (int i = 1; i + 1 < kept; i++)
             normal = vec3_add(normal, vec3_cross(vec3_sub(both[i], both[0]), vec3_sub(both[i + 1], both[0])));
-        double area = fabs(ring_area(plan, kept));
+        double area = fabs(signed_area(plan, kept));
         if (area <= UPRIGHT * vec3_length(normal) || area < GRID * GRID) continue;
         SolidOutline o = solid_of_ring(t->arena, plan, kept);
-        push(t, pieces, polygon_of(t, &o));
+        collect(t, pieces, polygon_of(t, &o));
     }
 }
 
@@ -258,7 +259,7 @@ SolidOutlines solid_cover(SolidTracer *t, double z0, double z1) {
     Pieces pieces = {NULL, 0, 0};
     add_section(t, z0, &pieces);
     add_section(t, z1, &pieces);
-    add_faces(t, z0, z1, &pieces);
+    project_faces(t, z0, z1, &pieces);
     t->count = t->corner_count = 0;
     return take(t, unite(t, &pieces), GRID);
 }
@@ -267,7 +268,7 @@ SolidOutlines solid_cover(SolidTracer *t, double z0, double z1) {
 
 static GEOSGeometry *all_of(SolidTracer *t, const SolidOutlines *a) {
     Pieces pieces = {NULL, 0, 0};
-    for (int i = 0; i < a->count; i++) push(t, &pieces, polygon_of(t, &a->items[i]));
+    for (int i = 0; i < a->count; i++) collect(t, &pieces, polygon_of(t, &a->items[i]));
     return unite(t, &pieces);
 }
 
@@ -299,7 +300,7 @@ double solid_common_area(SolidTracer *t, const SolidOutlines *a, const SolidOutl
 
 SolidOutline solid_of_ring(Arena *arena, const Vec2 *points, int count) {
     SolidOutline o = {ARENA_ARRAY(arena, Vec2, count), ARENA_ARRAY(arena, int, 2), 1, 0};
-    double area = ring_area(points, count);
+    double area = signed_area(points, count);
     for (int i = 0; i < count; i++) o.points[i] = points[area < 0 ? count - 1 - i : i];
     o.ring[1] = count;
     o.area = fabs(area);

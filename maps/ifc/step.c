@@ -504,7 +504,7 @@ static bool read_number(const StepFile *file, size_t *place, double *out) {
     return isfinite(*out);
 }
 
-static StepValue read_value(StepCursor *c);
+static inline StepValue read_value(StepCursor *c);
 
 // Behind a value: a comma, or the ) at which the cursor stays.
 static bool pass_comma(StepCursor *c) {
@@ -534,18 +534,13 @@ StepValue step_next(StepCursor *c) {
     if (value.kind == STEP_END || !pass_comma(c)) {
         cursor_bad(c, begin);
         c->at = file->size;
-        return (StepValue){.kind = value.kind == STEP_END ? STEP_NONE : value.kind,
-                           .number = value.number,
-                           .record = value.record,
-                           .entity = value.entity,
-                           .at = value.at,
-                           .size = value.size};
+        if (value.kind == STEP_END) value.kind = STEP_NONE;
     }
     return value;
 }
 
 // STEP_END stands for a damaged value here.
-static StepValue read_value(StepCursor *c) {
+static inline StepValue read_value(StepCursor *c) {
     const StepFile *file = c->file;
     const char *text = file->text;
     StepValue v = {.kind = STEP_END, .record = -1, .at = c->at};
@@ -718,7 +713,9 @@ const char *step_string(const StepFile *file, const StepValue *value, StepString
     const char *s = file->text + value->at;
     size_t size = value->size, length = 0;
     // Most strings are plain.
-    while (length < size && (unsigned char)s[length] < 0x80 && s[length] >= ' ' && s[length] != '\\' && s[length] != '\'') length++;
+    while (length < size && (unsigned char)s[length] < 0x80 && s[length] >= ' ' && s[length] != '\\' &&
+           s[length] != '\'')
+        length++;
     if (length == size) {
         char *plain = memcpy(step_room(strings, size + 1), s, size);
         plain[size] = 0;

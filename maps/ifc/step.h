@@ -52,13 +52,14 @@ typedef enum StepKind {
 // One argument.
 typedef struct StepValue {
     StepKind kind;
-    double number;  // of numbers
-    int record;     // of references: the record, -1 where the file has none of that number
-    int entity;     // of references: the number after #
+    int record;  // of references: the record, -1 where the file has none of that number
+    int entity;  // of references: the number after #
+    union {
+        double number;  // of numbers
+        size_t name;    // of typed values: where the name begins
+    };
     size_t at,
         size;  // bytes: of strings and enumerators without their quotes or dots; of lists and typed values from their (
-    size_t name;    // of typed values: where the name begins
-    uint16_t type;  // of typed values, as of records
 } StepValue;
 
 // A place among arguments. Only one thread uses a cursor.

@@ -5,16 +5,16 @@
 #include "maps/ifc/ifc_file.h"
 
 bool ifc_arguments(Reader *r, int record, StepValue *out, int count) {
-    for (int i = 0; i < count; i++) out[i] = (StepValue){.kind = STEP_NONE, .record = -1};
-    if (record < 0) return false;
-    StepCursor c = step_arguments(&r->file->step, record, &r->bad);
-    for (int i = 0; i < count; i++) {
-        StepValue v = step_next(&c);
-        if (v.kind == STEP_END) break;
-        out[i] = v;
-        if (v.kind != STEP_REF) out[i].record = -1;
+    int read = 0;
+    if (record >= 0) {
+        StepCursor c = step_arguments(&r->file->step, record, &r->bad);
+        for (; read < count; read++) {
+            out[read] = step_next(&c);
+            if (out[read].kind == STEP_END) break;
+        }
     }
-    return true;
+    for (; read < count; read++) out[read] = (StepValue){.kind = STEP_NONE, .record = -1};
+    return record >= 0;
 }
 
 int ifc_type(const Reader *r, int record) { return record < 0 ? -1 : r->file->step.type[record]; }

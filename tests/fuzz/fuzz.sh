@@ -18,6 +18,7 @@ seeds() {
     foreign) ls tests/seeds/*.dae tests/seeds/*.3ds ;;
     recording) ls tests/seeds/*.path ;;
     quake) ls tests/seeds/*.bsp ;;
+    ifc*) ls tests/seeds/*.ifc ;;
     photometry) ls tests/seeds/*.ies tests/seeds/*.ldt ;;
     pipeline) ls tests/seeds/s*.plan tests/seeds/room* tests/seeds/*.{prt,files} ;;
     *) ls tests/seeds/*."$1" 2>/dev/null ;;

@@ -8,7 +8,9 @@
 static void check_mesh(const IfcModel *model, const IfcMesh *mesh) {
     for (int i = 0; i < mesh->polygon_count; i++) {
         const IfcPolygon *p = &mesh->polygons[i];
-        if (p->corner_count < 3 || p->first_corner < 0 || p->first_corner > mesh->corner_count - p->corner_count) abort();
+        if (p->corner_count < 3 || p->first_corner < 0 ||
+            p->first_corner > mesh->corner_count - p->corner_count)
+            abort();
         if (p->material < 0 || p->material >= model->material_count) abort();
     }
     for (int i = 0; i < mesh->corner_count; i++) {
@@ -31,8 +33,11 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
         const IfcProduct *p = &model.products[i];
         check_mesh(&model, &p->mesh);
         check_mesh(&model, &p->whole_mesh);
-        if (p->storey >= model.storey_count || p->space >= model.product_count || p->host >= model.product_count) abort();
-        if (p->first_footprint < 0 || p->first_footprint + p->footprint_count > model.footprint_count) abort();
+        if (p->storey >= model.storey_count || p->space >= model.product_count ||
+            p->host >= model.product_count)
+            abort();
+        if (p->first_footprint < 0 || p->first_footprint + p->footprint_count > model.footprint_count)
+            abort();
     }
     return 0;
 }

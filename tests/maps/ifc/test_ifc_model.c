@@ -1,0 +1,235 @@
+// test_ifc_model.c - what a model tells beside its meshes: storeys, relations, names, units, looks, footprints; threads; damaged files.
+#include <criterion/criterion.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "maps/ifc/step.h"
+#include "tests/maps/ifc/ifc_fixture.h"
+#include "tests/support/support.h"
+
+static void read_file(Arena *arena, const char *path, int threads, IfcModel *out) {
+    Bytes content = support_read(arena, path);
+    IfcOptions options = {.threads = threads};
+    Error error = {""};
+    cr_assert(ifc_read(path, content, &options, arena, out, &error), "%s", error.text);
+}
+
+static const IfcProduct *product(const IfcModel *model, int entity) {
+    for (int i = 0; i < model->product_count; i++)
+        if (model->products[i].entity == entity) return &model->products[i];
+    cr_assert(false, "no #%d", entity);
+    return NULL;
+}
+
+// Every field that the seed's file tells.
+Test(ifc, relations) {
+    Arena arena = {0};
+    IfcModel m;
+    read_file(&arena, "tests/seeds/small.ifc", 1, &m);
+    cr_expect_str_eq(m.schema, "IFC4");
+    cr_expect_str_eq(m.name, "Seed");
+    cr_expect_eq(m.unit, 0.001);
+    cr_expect(m.placed);
+    cr_expect_float_eq(m.latitude, (52 + 31.0 / 60 + 12.0 / 3600) * M_PI / 180, 1e-12);
+    cr_expect_float_eq(m.north, M_PI / 4, 1e-12);
+    cr_assert_eq(m.storey_count, 1);
+    cr_expect_str_eq(m.storeys[0].name, "Ground \xC3\xBC\xD0\x96");
+    const IfcProduct *wall = product(&m, 19), *opening = product(&m, 24), *door = product(&m, 26),
+                     *space = product(&m, 52), *chest = product(&m, 111);
+    cr_expect(wall->kind == IFC_WALL && wall->storey == 0 && wall->host == -1);
+    cr_expect(opening->kind == IFC_OPENING && &m.products[opening->host] == wall && opening->storey == 0);
+    cr_expect(door->kind == IFC_DOOR && &m.products[door->host] == opening && door->width == 1 &&
+              door->height == 2);
+    cr_expect_str_eq(door->operation, "SINGLE_SWING_LEFT");
+    cr_expect(space->kind == IFC_SPACE && space->storey == 0);
+    cr_expect_str_eq(space->name, "1.01");
+    cr_expect_str_eq(space->long_name, "Room");
+    cr_expect_str_eq(space->predefined, "INTERNAL");
+    cr_expect(chest->kind == IFC_FURNISHING && &m.products[chest->space] == space && chest->storey == 0);
+    cr_assert_eq(m.boundary_count, 1);
+    cr_expect(&m.products[m.boundaries[0].space] == space && &m.products[m.boundaries[0].element] == door &&
+              m.boundaries[0].physical);
+    const IfcMaterial *look = &m.materials[wall->mesh.polygons[0].material];
+    cr_expect_str_eq(look->name, "Clay");
+    cr_expect(look->alpha == 0.75f && look->colour[0] == 0.5f && look->colour[2] == 0.3f);
+    // The wall as a prism, though its mesh has a hole.
+    cr_assert_eq(wall->footprint_count, 1);
+    const IfcFootprint *f = &m.footprints[wall->first_footprint];
+    cr_expect(f->base == 0 && f->top == 2.5 && f->ring_count == 1 && !f->clipped);
+    cr_expect_eq(m.rings[f->first_ring].point_count, 4);
+    cr_expect_float_eq(ifc_volume(&wall->whole_mesh) - ifc_volume(&wall->mesh), 1 * 0.2 * 2, 1e-9);
+    // What cannot be used is said by number and name.
+    cr_assert_eq(m.note_count, 1);
+    cr_expect(strstr(m.notes[0].text, "#78 IFCHALFSPACESOLID"), "%s", m.notes[0].text);
+    arena_free(&arena);
+}
+
+static uint64_t model_hash(const IfcModel *m) {
+    uint64_t h = file_hash(m->points, (size_t)m->point_count * sizeof(Vec2), 1);
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *p = &m->products[i];
+        h = file_hash(p->name, strlen(p->name), h);
+        h = file_hash(p->mesh.corners, (size_t)p->mesh.corner_count * sizeof(Vec3), h);
+        h = file_hash(p->mesh.polygons, (size_t)p->mesh.polygon_count * sizeof(IfcPolygon), h);
+    }
+    for (int i = 0; i < m->note_count; i++) h = file_hash(m->notes[i].text, strlen(m->notes[i].text), h);
+    return h;
+}
+
+// The same bytes on one thread and on three, of a building of two storeys.
+Test(ifc, threads) {
+    const char *path = support_either("ifc/Duplex_A_20110907.ifc", "tests/seeds/small.ifc");
+    Arena one = {0}, three = {0};
+    IfcModel a, b;
+    read_file(&one, path, 1, &a);
+    read_file(&three, path, 3, &b);
+    cr_expect_eq(model_hash(&a), model_hash(&b));
+    cr_expect_gt(a.polygon_count, 10);
+    arena_free(&one);
+    arena_free(&three);
+}
+
+// Far from the origin, sums of coordinates would lose digits: the model is moved near, and says by how much.
+Test(ifc, far_away) {
+    Arena arena = {0};
+    IfcModel m;
+    ifc_accept(&arena,
+               ifc_text(&arena, "#100=IFCBLOCK(#101,1.,1.,1.);#101=IFCAXIS2PLACEMENT3D(#102,$,$);"
+                                "#102=IFCCARTESIANPOINT((3500000.25,5800000.,40.));"),
+               1, &m);
+    cr_expect(m.origin.x == 3500001 && m.origin.y == 5800001 && m.origin.z == 0);
+    cr_expect(m.products[0].box.min.x == -0.75 && m.products[0].box.max.x == 0.25 &&
+              m.products[0].box.min.z == 40);
+    arena_free(&arena);
+}
+
+// Strings in every encoding that the standard and its breakers use.
+Test(ifc, strings) {
+    static const struct {
+        const char *text, *utf8;
+    } CASES[] = {{"It''s", "It's"},
+                 {"a\\\\b", "a\\b"},
+                 {"\\X\\E4", "\xC3\xA4"},
+                 {"\\S\\d", "\xC3\xA4"},
+                 {"\\PA\\x", "x"},
+                 {"\\X2\\00E400DF\\X0\\!", "\xC3\xA4\xC3\x9F!"},
+                 {"\\X2\\D83DDE00\\X0\\", "\xF0\x9F\x98\x80"},
+                 {"\\X4\\0001F600\\X0\\", "\xF0\x9F\x98\x80"},
+                 {"\\X2\\D83D\\X0\\", "\xEF\xBF\xBD"},
+                 {"\\X2\\00", "00"},
+                 {"\xC3\xA4", "\xC3\xA4"},
+                 {"\xE4", "\xC3\xA4"}};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        Arena arena = {0};
+        StepFile file = {.text = CASES[i].text, .size = strlen(CASES[i].text)};
+        StepValue value = {.kind = STEP_STRING, .size = file.size};
+        StepStrings strings = {.arena = &arena};
+        cr_expect_str_eq(step_string(&file, &value, &strings), CASES[i].utf8, "%s", CASES[i].text);
+        arena_free(&arena);
+    }
+}
+
+#define HEAD "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\nENDSEC;\nDATA;\n"
+
+// Each fault of the text has a sentence with its line.
+Test(ifc, faults_of_text) {
+    ifc_refuse("", "t.ifc: is no STEP file");
+    ifc_refuse("ISO-10303-21;\nHEADER;\n", "t.ifc:3: the file ends within its header");
+    ifc_refuse(HEAD "#1=IFCWALL($);\n", "t.ifc:7: the file ends before its data does (expected ENDSEC)");
+    ifc_refuse(HEAD "#1=IFCWALL($)\n", "t.ifc:6: the file ends within the statement `#1=IFCWALL($)`");
+    ifc_refuse(HEAD "\n#1=IFCWALL('a);\nENDSEC;\n", "t.ifc:7: the file ends within the statement");
+    ifc_refuse(HEAD "#1 IFCWALL($);ENDSEC;",
+               "t.ifc:6: `#1 IFCWALL($);ENDSEC;` lacks the = behind its number");
+    ifc_refuse(HEAD "#99999999999=IFCWALL($);ENDSEC;", "allowed: # and a number up to 2147483647");
+    ifc_refuse(HEAD "#1=IFCWALL;ENDSEC;", "lacks the name of a type and ( behind its =");
+    ifc_refuse(HEAD "WALL\nENDSEC;", "t.ifc:6: found `WALL` (allowed: # for an entity, or ENDSEC)");
+    ifc_refuse(HEAD "#1=IFCWALL('a',%,'b');\nENDSEC;\n", "t.ifc:6: an argument is `%,'b');`");
+    ifc_refuse(HEAD "/* never\nENDSEC;\n", "the file ends before its data does");
+}
+
+// A list in a list, a million times: in an argument that is read, in one that is passed over, and without an end.
+Test(ifc, nested_lists) {
+    enum { DEEP = 1000000 };
+    Arena arena = {0};
+    char *open = arena_alloc(&arena, DEEP + 1, 1), *close = arena_alloc(&arena, DEEP + 1, 1);
+    memset(open, '(', DEEP);
+    memset(close, ')', DEEP);
+    IfcModel m;
+    ifc_accept(&arena, ifc_text(&arena, arena_format(&arena, "#100=IFCPOLYLINE(%s%s);", open, close)), 1, &m);
+    ifc_accept(&arena,
+               ifc_text(&arena, arena_format(&arena, "#100=IFCEXTRUDEDAREASOLID(%s%s,$,$,1.);", open, close)),
+               1, &m);
+    ifc_refuse(ifc_text(&arena, arena_format(&arena, "#100=IFCEXTRUDEDAREASOLID(%s;", open)),
+               "an argument is `((((");
+    arena_free(&arena);
+}
+
+// References in a circle end with a note: placements, items, maps, curves, booleans, parts.
+Test(ifc, circles) {
+    static const char *const CASES[] = {
+        "#100=IFCBOOLEANRESULT(.UNION.,#100,#100);",
+        "#100=IFCBOOLEANRESULT(.UNION.,#101,#100);#101=IFCBLOCK(#11,1.,1.,1.);",
+        "#100=IFCCSGSOLID(#100);",
+        "#100=IFCMAPPEDITEM(#101,$);#101=IFCREPRESENTATIONMAP(#11,#102);#102=IFCSHAPEREPRESENTATION($,'Body',"
+        "'CSG',(#100,#100));",
+        "#100=IFCEXTRUDEDAREASOLID(#101,#11,#12,1.);#101=IFCDERIVEDPROFILEDEF(.AREA.,$,#101,$,$);",
+        "#100=IFCEXTRUDEDAREASOLID(#101,#11,#12,1.);#101=IFCCOMPOSITEPROFILEDEF(.AREA.,$,(#101,#101),$);",
+        "#100=IFCEXTRUDEDAREASOLID(#101,#11,#12,1.);#101=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#102);"
+        "#102=IFCCOMPOSITECURVE((#103,#103),.F.);#103=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#102);",
+        "#100=IFCBLOCK(#11,1.,1.,1.);#30=IFCSLAB('s',$,$,$,$,#31,$,$,$);#31=IFCLOCALPLACEMENT(#32,#11);#32="
+        "IFCLOCALPLACEMENT(#31,#11);"
+        "#33=IFCRELAGGREGATES('r',$,$,$,#30,(#90));#34=IFCRELAGGREGATES('r',$,$,$,#90,(#30));",
+    };
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        Arena arena = {0};
+        IfcModel m;
+        ifc_accept(&arena, ifc_text(&arena, CASES[i]), 1, &m);
+        cr_expect(m.note_count > 0, "%s", CASES[i]);
+        arena_free(&arena);
+    }
+}
+
+// Maps of maps of maps: 30 levels of two would be a thousand million boxes; the bound says no before.
+Test(ifc, maps_of_maps) {
+    Arena arena = {0};
+    char *text = arena_alloc(&arena, 16384, 1);
+    int used = snprintf(text, 16384, "#100=IFCMAPPEDITEM(#200,$);#199=IFCBLOCK(#11,1.,1.,1.);");
+    for (int i = 0; i < 30; i++) {
+        int to = 203 + 3 * i;
+        used += snprintf(text + used, 16384 - (size_t)used,
+                         "#%d=IFCREPRESENTATIONMAP(#11,#%d);#%d=IFCSHAPEREPRESENTATION($,'Body','CSG',(#%d,#%"
+                         "d));#%d=IFCMAPPEDITEM(#%d,$);",
+                         to - 3, to - 2, to - 2, i == 29 ? 199 : to - 1, i == 29 ? 199 : to - 1, to - 1, to);
+    }
+    ifc_refuse(ifc_text(&arena, text), "polygons (the limit for");
+    arena_free(&arena);
+}
+
+// Whatever is cut off or changed in a file that holds one of each kind of body, it is read or refused with a sentence.
+Test(ifc, damaged_files) {
+    static const unsigned char PUT[] = {0, ' ', '\'', '(', ')', ',', '#', '$', '9', '-', ';', 0xFF};
+    Arena arena = {0}, scratch = {0};
+    Bytes whole = support_read(&arena, "tests/seeds/small.ifc");
+    unsigned char *bytes = arena_alloc(&arena, whole.size + 1, 1);
+    IfcOptions options = {.threads = 1};
+    int refused = 0, step = support_count(5, 1);
+    for (size_t at = 0; at < whole.size; at++) {
+        for (int k = -1; k < (int)sizeof PUT; k += k < 0 ? 1 + (int)at % step : step) {
+            Error error = {""};
+            IfcModel m;
+            Bytes content = {bytes, k < 0 ? at : whole.size};
+            memcpy(bytes, whole.data, content.size);
+            bytes[content.size] = 0;
+            if (k >= 0) bytes[at] = PUT[k];
+            if (!ifc_read("t.ifc", content, &options, &scratch, &m, &error)) {
+                refused++;
+                cr_assert(error.text[0], "no sentence at byte %zu", at);
+            }
+            arena_reset(&scratch);
+        }
+    }
+    cr_expect_gt(refused, (int)whole.size);
+    arena_free(&scratch);
+    arena_free(&arena);
+}

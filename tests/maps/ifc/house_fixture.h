@@ -32,7 +32,7 @@ int house_hole(House *h, int host, Vec3 low, Vec3 high);
 // A door that fills a hole: its own x axis begins at `hinge` and runs along `along`; it opens to its left.
 int house_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, double width, double height,
                const char *operation);
-// Of two leaves, where the operation begins with DOUBLE, which touch in the middle.
+// It has two leaves, which touch in the middle, where the operation begins with DOUBLE.
 // A window likewise: a frame of four bars, without glass, or one with a pane.
 int house_window(House *h, int hole, const char *name, Vec3 low, Vec2 along, double width, double height);
 Bytes house_end(House *h);

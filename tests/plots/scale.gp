@@ -14,17 +14,13 @@ set logscale xy
 set format y '10^{%L}'
 set xlabel 'rooms'
 set datafile missing NaN
-set fit quiet logfile '/dev/null'
 array time[5]
 array memory[5]
-line(x) = a * x + b
 do for [s=1:5] {
-    a = 1; b = 0
-    fit line(x) csv every ::1 using (log($1)):(log(of(word(stages, s), $3))) via a, b
-    time[s] = a
-    a = 1; b = 0
-    fit line(x) csv every ::1 using (log($1)):(log(of(word(stages, s), $4))) via a, b
-    memory[s] = a
+    stats csv every ::1 using (log($1)):(log(of(word(stages, s), $3))) name 'T' nooutput
+    stats csv every ::1 using (log($1)):(log(of(word(stages, s), $4))) name 'M' nooutput
+    time[s] = T_slope
+    memory[s] = M_slope
 }
 do for [format in "svg png"] {
     if (format eq "svg") { set terminal svg size 1100,460 font 'DejaVu Sans,11' background '#ffffff' }

@@ -37,7 +37,7 @@ static int run_end(const CellWord *list, int count, int i, bool *full) {
     return end;
 }
 
-static void store(CellRows *rows, int cell, const CellWord *list, int count, Arena *arena) {
+static void store_row(CellRows *rows, int cell, const CellWord *list, int count, Arena *arena) {
     int runs = 0, words = 0, end;
     bool full;
     for (int i = 0; i < count; i = end, runs++) {
@@ -64,7 +64,7 @@ void cell_rows_set(CellRows *rows, int cell, const uint64_t *row, Arena *arena) 
     for (int k = 0, i = 0; k < rows->words; k++) {
         if (row[k]) list[i++] = (CellWord){k, row[k]};
     }
-    store(rows, cell, list, count, arena);
+    store_row(rows, cell, list, count, arena);
     memory_free(list);
 }
 
@@ -82,7 +82,7 @@ void cell_rows_set_list(CellRows *rows, int cell, const int *list, int count, Ar
         if (i == 0 || list[i] / 64 != list[i - 1] / 64) words[word_count++] = (CellWord){list[i] / 64, 0};
         words[word_count - 1].bits |= (uint64_t)1 << (list[i] % 64);
     }
-    store(rows, cell, words, word_count, arena);
+    store_row(rows, cell, words, word_count, arena);
     memory_free(words);
 }
 
@@ -140,7 +140,7 @@ static void store_rest(CellRows *rows, int cell, CellWord *list, int count, Aren
     for (int i = 0; i < count; i++) {
         if (list[i].bits) list[kept++] = list[i];
     }
-    store(rows, cell, list, kept, arena);
+    store_row(rows, cell, list, kept, arena);
 }
 
 bool cell_rows_keep(CellRows *rows, int cell, const uint64_t *row, Arena *arena) {
@@ -185,7 +185,7 @@ CellRows cell_rows_copy(const CellRows *rows, Arena *arena) {
     for (int c = 0; c < rows->cell_count; c++) {
         int count;
         CellWord *list = list_words(rows->row[c], &count);
-        store(&copy, c, list, count, arena);
+        store_row(&copy, c, list, count, arena);
         memory_free(list);
     }
     return copy;
@@ -288,7 +288,7 @@ CellRows cell_rows_unpack(const unsigned char *packed, int cell_count, Arena *ar
                 if (bits) list[words++] = (CellWord){head[0] + k, bits};
             }
         }
-        store(&rows, c, list, words, arena);
+        store_row(&rows, c, list, words, arena);
     }
     memory_free(list);
     return rows;

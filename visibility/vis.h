@@ -108,8 +108,8 @@ VisOptions vis_default_options(void);
 bool vis_build_cells(const Building *building, const VisOptions *options, Arena *arena, CellGraph *out,
                      Error *error);
 
-// A building of more cells has no search between all pairs of cells, whose memory and time grow with their square: its trees rest on
-// separating planes alone, and its visible sets are stored in blocks.
+// A building of more cells is not searched in one matrix of pairs, whose memory and time grow with their square. Where it cannot be
+// searched group by group either (window.h), its trees rest on separating planes alone.
 enum { VIS_MANY_CELLS = 8192 };
 
 // One visible cell of a stab tree: reached from its parent through `portal`. Depth-first; `next` is the sibling.

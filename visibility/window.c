@@ -9,7 +9,7 @@ typedef struct Stop {
     int cell;
 } Stop;
 
-static int by_key(const void *p, const void *q) {
+static int by_curve(const void *p, const void *q) {
     const Stop *a = p, *b = q;
     if (a->key != b->key) return a->key < b->key ? -1 : 1;
     return (a->cell > b->cell) - (a->cell < b->cell);
@@ -45,14 +45,14 @@ CellGroups cell_groups(const CellGraph *graph, int size, Arena *arena) {
         if (groups.count > 1)
             stops[c].key = curve_key(vec3_scale(vec3_add(box.min, box.max), 0.5), graph->box);
     }
-    qsort(stops, (size_t)cells, sizeof *stops, by_key);
+    qsort(stops, (size_t)cells, sizeof *stops, by_curve);
     for (int c = 0; c < cells; c++) groups.cell[c] = stops[c].cell;
     groups.first = ARENA_ARRAY(arena, int, groups.count + 1);
     for (int g = 0; g <= groups.count; g++) groups.first[g] = g < groups.count ? g * size : cells;
     return groups;
 }
 
-static int by_number(const void *p, const void *q) {
+static int by_place_in_list(const void *p, const void *q) {
     int a = *(const int *)p, b = *(const int *)q;
     return (a > b) - (a < b);
 }
@@ -71,7 +71,7 @@ static void add_portals(const CellGraph *graph, const int *place, Arena *arena, 
             if (portal->cell[0] == out->cell[i] && place[portal->cell[1]] >= 0) out->portal[count++] = p;
         }
     }
-    qsort(out->portal, (size_t)count, sizeof *out->portal, by_number);
+    qsort(out->portal, (size_t)count, sizeof *out->portal, by_place_in_list);
     out->graph.portals = ARENA_ARRAY(arena, Portal, count);
     out->graph.portal_count = count;
     for (int p = 0; p < count; p++) {
@@ -96,7 +96,7 @@ void window_enter(const CellGraph *graph, const CellRows *near, const int *group
             all[cells++] = list[k];
         }
     }
-    qsort(all, (size_t)cells, sizeof *all, by_number);
+    qsort(all, (size_t)cells, sizeof *all, by_place_in_list);
     *out =
         (CellWindow){.cell = all, .own = ARENA_ARRAY(arena, uint64_t, (cells + 63) / 64), .own_count = count};
     out->graph = (CellGraph){.building = graph->building,

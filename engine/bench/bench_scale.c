@@ -23,7 +23,7 @@ typedef enum Stage { READING, CELLS, PAIRS, TREES, MEMORY, QUERY, DRAWN, STAGES 
 static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees",
                                                 "memory",  "query", "drawn"};
 
-// Of one building. `peak_mb` is what the process had at most during a stage, less what it began with.
+// The figures of one building. `peak_mb` is the memory that the process had at most during a stage, less what it began with.
 typedef struct Scale {
     const char *file;
     const BenchArguments *arguments;
@@ -121,7 +121,7 @@ static void ask(Scale *s, const CellGraph *graph, const StabForest *forest, Aren
 
 // ---- the stages
 
-static int count_rooms(const Building *b) {
+static int rooms_in(const Building *b) {
     int count = 0;
     for (int i = 0; i < b->region_count; i++) count += b->regions[i].kind == REGION_ROOM;
     return count;
@@ -138,7 +138,7 @@ static bool run_stages(Scale *s) {
     double base = status_mb("VmRSS"), start;
     begin_stage(&start);
     if (!maps_read_map(s->file, s->arguments->load.map, &arena, &building, &s->error)) return false;
-    s->rooms = count_rooms(&building);
+    s->rooms = rooms_in(&building);
     end_stage(s, READING, start, base, building.polygon_count);
     begin_stage(&start);
     if (!vis_build_cells(&building, &options, &arena, &graph, &s->error)) return false;
@@ -195,7 +195,7 @@ static bool same_kind(const char *a, const char *b) {
     return strcspn(bench_name(b), "-") == length && strncmp(bench_name(a), bench_name(b), length) == 0;
 }
 
-// Of the line through (log rooms, log figure) by least squares; NAN where there are not two.
+// The slope of the line through (log rooms, log figure) by least squares; NAN where there are not two.
 static double slope(const Scale *all, int count, const char *kind, Stage stage, bool memory) {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (int i = 0; i < count; i++) {

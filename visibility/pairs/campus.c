@@ -62,7 +62,7 @@ static bool bound_ways(Bounds *b, const Progress *progress, Arena *scratch) {
     return true;
 }
 
-static int by_number(const void *p, const void *q) {
+static int by_cell_number(const void *p, const void *q) {
     int a = *(const int *)p, b = *(const int *)q;
     return (a > b) - (a < b);
 }
@@ -86,7 +86,7 @@ static CellRows unite(const Bounds *b, Arena *scratch) {
                 list[count++] = cell;
             }
         }
-        qsort(list, (size_t)count, sizeof *list, by_number);
+        qsort(list, (size_t)count, sizeof *list, by_cell_number);
         cell_rows_set_list(&rows, c, list, count, scratch);
     }
     arena_free(&own);
@@ -142,7 +142,7 @@ static void load(const Search *s, const CellWindow *window, Rounds *r) {
 }
 
 // The rows of the group's cells. A cell that sees none of the group is not in the window, and in no row.
-static void store(Search *s, const CellWindow *window, const PairSet *set) {
+static void store_group(Search *s, const CellWindow *window, const PairSet *set) {
     for (int c = 0; c < set->cell_count; c++) {
         if (!row_has(window->own, c)) continue;
         for (int k = 0; k < 2; k++) {
@@ -172,7 +172,7 @@ static bool search_group(Search *s, const int *group, int count, ChainWork *work
     // A proof goes before an exclusion elsewhere, which rounding may have caused.
     for (size_t i = 0; i < (size_t)set.cell_count * (size_t)set.words; i++) set.seen[i] |= set.proven[i];
     proof_search(&rounds, false);
-    store(s, &window, &set);
+    store_group(s, &window, &set);
     chain_work_add(work, set.work);
     window_leave(&window, s->place);
     arena_free(&scratch);
@@ -189,7 +189,7 @@ static void keep_proofs(Search *s) {
             int *row = ARENA_ARRAY(s->rows, int, cell_rows_size(&s->seen, other) + 1),
                 seen = cell_rows_list(&s->seen, other, row);
             row[seen] = c;
-            qsort(row, (size_t)seen + 1, sizeof *row, by_number);
+            qsort(row, (size_t)seen + 1, sizeof *row, by_cell_number);
             cell_rows_set_list(&s->seen, other, row, seen + 1, s->rows);
         }
     }

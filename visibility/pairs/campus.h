@@ -11,9 +11,9 @@ typedef struct CampusPairs {
     bool stopped;  // progress asked to stop: `seen` holds the pairs not excluded until then
 } CampusPairs;
 
-// What the method `proof` finds: of a large building group of cells by group, else in one matrix. False, without a result, where the
-// building has more than VIS_MANY_CELLS and is so open that windows do not pay (window.h), or progress asked to stop before that was
-// known.
+// The pairs that the method `proof` finds: of a large building group of cells by group, else in one matrix. False, without a result,
+// where the building has more than VIS_MANY_CELLS and is so open that windows do not pay (window.h), or progress asked to stop before
+// that was known.
 bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
                   CampusPairs *out);
 

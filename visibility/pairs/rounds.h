@@ -70,9 +70,9 @@ void rounds_agree(Rounds *rounds);
 static inline bool rounds_asks(const Rounds *rounds, int cell) {
     return !rounds->own || row_has(rounds->own, cell);
 }
-// One search from every way out of cells that are asked for: flow_search or one like it. All of them may do `work` (see ways_work). `arrive` is that of Flow, whose
-// context is a Finding. In closed buildings a search along chains follows thousands; in the open, where there are millions, it is given
-// up, and pairs in doubt stay so; likewise when all allowed work is done.
+// One search from every way out of cells that are asked for: flow_search or one like it. All of them may do `work` (see ways_work).
+// `arrive` is that of Flow, whose context is a Finding. In closed buildings a search along chains follows thousands; in the open, where
+// there are millions, it is given up, and pairs in doubt stay so; likewise when all allowed work is done.
 #define ROUNDS_WORK 8e8  // the usual work of a search along chains
 void rounds_search(Rounds *rounds, double work, bool (*search)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "engine/app/app.h"
-#include "engine/app/planned_light.h"
+#include "engine/app/light_plan.h"
 #include "engine/core/file.h"
 
 typedef struct Arguments {
@@ -240,11 +240,16 @@ static bool light(const Arguments *a, Arena *arena, Error *error) {
     PlannedLight found;
     SceneOptions load = a->load;
     if (!app_check_files(&a->svg, 1, &a->file, 1, &load, error) ||
-        !app_load(a->file, &load, arena, &scene, error))
+        !app_load(a->file, &load, arena, &scene, error) ||
+        (a->svg && !light_plan_check(&scene, a->storey, error)))
         return false;
     Progress progress = app_progress_stoppable(0);
     bool good = planned_light(&scene, &a->planned, &progress, arena, &found, error);
     app_progress_end();
+    const char *svg = NULL;
+    if (good && a->svg)
+        good = light_plan(&scene, &found, a->storey, a->width, arena, &svg, error) &&
+               file_write(a->svg, svg, strlen(svg), error);
     if (good) {
         RoomRow *rows = ARENA_ARRAY(arena, RoomRow, found.plan.room_count + 1);
         for (int i = 0; i < found.plan.room_count; i++) rows[i] = row_of(a, &scene, &found, i, arena);

@@ -225,4 +225,14 @@ expect 1 "$program" walk $maps/two-rooms.plan --light "$work/panel.rad" --offscr
 expect 0 "$program" render $maps/two-rooms.plan --light "$work/panel.rad" --photometry lamp=$seeds/panel.ldt -o "$work/x.png" --size 32x24 --samples 1
 cp maps/buildings/house.sh3d "$work/home.sh3d" && cp $seeds/spot.ies "$work/pendant.ies" && cp $seeds/room.obj "$work/table-lamp.ldt"
 expect 0 "$program" info "$work/home.sh3d" && says out 'pendant.ies: 3 lights' && says err 'passed over: .*table-lamp.ldt:2:'
+
+# Light as planners ask for it: the same table on any number of threads, a line a room; its plan; the keys of its JSON.
+plan() { expect 0 "$program" light $maps/two-rooms.plan --sky none "$@"; }
+plan --threads 1 --svg "$work/light.svg" && cp "$work/out" "$work/light.csv"
+says out '^storey,room,area_m2,plane_m,points,' && says out '^ground,parlour,16.97,0.850,40,0,[0-9.]*,[0-9.]*,[0-9.]*,0.[0-9]*,0.[0-9]*,,,,,,$'
+[ "$(wc -l <"$work/out")" -eq 3 ] || fail "two rooms have $(cat "$work/out")"
+plan --threads 2 && same "$work/out" "$work/light.csv" 'the table of rooms depends on threads'
+grep -q '>study: [0-9]* lx<' "$work/light.svg" && grep -q '>300<' "$work/light.svg" || fail 'a plan without a room or a line'
+plan --json && says out '"uniformity": 0' && says out '"from_rooms_share": 0' && says out '"seconds_rooms": [0-9]'
+expect 1 "$program" light $maps/two-rooms.plan --sky none --storey 5 --svg "$work/light.svg" && says err 'has no storey 5 (allowed 0 to 0)'
 exit $bad

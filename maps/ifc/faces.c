@@ -118,7 +118,8 @@ static void add_face(Reader *r, int record, Shape *out) {
     if (type == T_FACE || v[1].record < 0 || ifc_type(r, v[1].record) == T_PLANE) {
         add_rings(r, record, &f, out);
     } else if (!ifc_curved_face(r, v[1].record, &f, same, out)) {
-        ifc_note(r, v[1].record, "is no surface that is read");
+        ifc_note(r, v[1].record, "is no surface that is read: its faces are flat between their edges");
+        add_rings(r, record, &f, out);
     }
     int look = ifc_style_of(r, record);
     for (int i = before; look >= 0 && i < out->face_count; i++) out->faces[i].material = look;

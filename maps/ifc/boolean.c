@@ -363,7 +363,7 @@ static bool keep_tool_faces(Cutter *c, ShapeBoolean operation, Body *a, Body *to
             if (!grow_tree(c, &tools[k])) return false;
             touched = false;
             filter(c, &tools[k].tree, tools[k].box, &list, true, LEAF_OUT, &touched);
-            // Of faces that two tools share, the first tool's stays.
+            // The first tool's face stays where two tools share one.
             if (touched && k < at) filter(c, &tools[k].tree, tools[k].box, &list, false, LEAF_OUT, &ignored);
         }
         for (int k = 0; k < list.count; k++)

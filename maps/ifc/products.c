@@ -259,7 +259,7 @@ static void read_storeys(Reader *r, Arena *arena, Relations *rel, IfcModel *mode
     }
 }
 
-// What contains a product tells its storey; a part has that of its whole, an opening that of its host.
+// The container of a product tells its storey; a part has that of its whole, an opening that of its host.
 static int storey_of(const Relations *rel, IfcModel *model, int product, int depth) {
     IfcProduct *p = &model->products[product];
     if (p->storey >= 0 || depth > IFC_DEEPEST) return p->storey;

@@ -17,7 +17,7 @@ enum {
     LONGEST_NAME = 128,
 };
 
-// Of each byte: may it stand in a name, is it a blank.
+// The kinds of bytes.
 static bool is_blank(char c) {
     return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\f' || c == '\v';
 }

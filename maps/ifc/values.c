@@ -19,7 +19,7 @@ bool ifc_arguments(Reader *r, int record, StepValue *out, int count) {
 
 int ifc_type(const Reader *r, int record) { return record < 0 ? -1 : r->file->step.type[record]; }
 
-// Of anything but a list, an empty one.
+// The elements of a list; anything else has none.
 StepCursor ifc_list(Reader *r, const StepValue *list) {
     StepCursor c = {&r->file->step, r->file->step.size, &r->bad};
     if (list->kind == STEP_LIST || list->kind == STEP_TYPED) c.at = list->at + 1;

@@ -104,7 +104,7 @@ static void add_rings(Reader *r, int record, const FaceRings *f, Shape *out) {
         ifc_note(r, record, "has %d corners and cannot be cut into convex faces", f->count);
 }
 
-static void add_face(Reader *r, int record, Shape *out) {
+static void brep_face(Reader *r, int record, Shape *out) {
     StepValue v[3];
     int type = ifc_type(r, record), before = out->face_count;
     FaceRings f = {0};
@@ -135,7 +135,7 @@ static void add_shell(Reader *r, int record, Shape *out) {
     }
     StepCursor c = ifc_list(r, &list);
     for (StepValue f = step_next(&c); f.kind != STEP_END && !ifc_too_many(r); f = step_next(&c))
-        add_face(r, f.record, out);
+        brep_face(r, f.record, out);
     int look = ifc_style_of(r, record);
     for (int i = before; look >= 0 && i < out->face_count; i++)
         if (out->faces[i].material < 0) out->faces[i].material = look;

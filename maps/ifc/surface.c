@@ -60,7 +60,7 @@ static Vec2 parameters(const Surface *s, Vec3 p) {
     }
 }
 
-static Vec3 point_at(const Surface *s, Vec2 p) {
+static Vec3 surface_point(const Surface *s, Vec2 p) {
     Vec3 q;
     double c = cos(p.x), n = sin(p.x);
     switch (s->type) {
@@ -226,7 +226,7 @@ static void add_piece(Reader *r, const Surface *s, const Vec3 *flat, int count, 
     int kept = 0;
     for (int i = 0; i < count; i++) {
         int at = same_sense ? i : count - 1 - i;
-        Vec3 p = point_at(s, vec2(flat[at].x, flat[at].y));
+        Vec3 p = surface_point(s, vec2(flat[at].x, flat[at].y));
         if (kept == 0 || vec3_length(vec3_sub(p, corner[kept - 1])) > IFC_SAME_POINT) corner[kept++] = p;
     }
     if (kept > 1 && vec3_length(vec3_sub(corner[0], corner[kept - 1])) <= IFC_SAME_POINT) kept--;

@@ -92,7 +92,7 @@ __attribute__((noinline)) static int cut_at(Cutter *c, const Piece *p, Plane pla
 // ---- trees
 
 // The plane that cuts few faces and leaves both sides alike.
-static int choose(Cutter *c, const Piece *list, int count) {
+static int choose_plane(Cutter *c, const Piece *list, int count) {
     if (count <= 2) return 0;
     double distance[MOST_CORNERS];
     int best = 0, step = count <= CANDIDATES ? 1 : count / CANDIDATES, sample = count <= 64 ? 1 : count / 64;
@@ -164,7 +164,7 @@ static bool make_tree(Cutter *c, Piece *list, int count, Tree *tree) {
         if (c->work > MOST_WORK) return false;
         Plane plane;
         bool across = choose_across(c, task.list, task.count, &plane);
-        if (!across) plane = task.list[choose(c, task.list, task.count)].plane;
+        if (!across) plane = task.list[choose_plane(c, task.list, task.count)].plane;
         int node = new_node(c, tree, plane);
         if (task.parent < 0) {
             tree->root = node;
@@ -312,7 +312,7 @@ static bool local_tree(Cutter *c, const Body *body, Box around, Tree *tree) {
     return true;
 }
 
-static void keep(Arena *arena, Shape *out, const Piece *p, bool flip) {
+static void keep_piece(Arena *arena, Shape *out, const Piece *p, bool flip) {
     if (polygon_area(p->corners, p->count) < SHAPE_SMALLEST_AREA) return;
     int first = out->face_count;
     shape_add_in_plane(arena, out, p->corners, p->count, p->material, p->plane);
@@ -363,11 +363,11 @@ static bool keep_tool_faces(Cutter *c, ShapeBoolean operation, Body *a, Body *to
             if (!grow_tree(c, &tools[k])) return false;
             touched = false;
             filter(c, &tools[k].tree, tools[k].box, &list, true, LEAF_OUT, &touched);
-            // Of faces that two tools share, the first tool's stays.
+            // The first tool's face stays where two tools share one.
             if (touched && k < at) filter(c, &tools[k].tree, tools[k].box, &list, false, LEAF_OUT, &ignored);
         }
         for (int k = 0; k < list.count; k++)
-            keep(c->arena, out, &list.piece[k], operation == SHAPE_DIFFERENCE);
+            keep_piece(c->arena, out, &list.piece[k], operation == SHAPE_DIFFERENCE);
         if (c->work > MOST_WORK) return false;
     }
     return true;
@@ -389,7 +389,7 @@ static bool combine(Cutter *c, ShapeBoolean operation, Body *a, Body *tools, int
             filter(c, &tools[k].tree, tools[k].box, &list, operation == SHAPE_UNION,
                    operation == SHAPE_INTERSECTION ? LEAF_IN : LEAF_OUT, &ignored);
         }
-        for (int k = 0; k < list.count; k++) keep(c->arena, out, &list.piece[k], false);
+        for (int k = 0; k < list.count; k++) keep_piece(c->arena, out, &list.piece[k], false);
         if (c->work > MOST_WORK) return false;
     }
     // A surface that encloses nothing gets no new faces.

@@ -45,7 +45,7 @@ static bool begins_inside(const Outline *o, int at, int m) {
                                                        : left_of_in || left_of_out;
 }
 
-// Of the places at one point, where bridges end, that one from which the way to point m begins inside.
+// Several places may stand at one point, where bridges end: that one from which the way to point m begins inside.
 static int facing_place(const Outline *o, int place, int m) {
     Vec2 p = o->points[o->at[place]];
     for (int at = o->next[place]; at != place; at = o->next[at])

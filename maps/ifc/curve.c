@@ -3,12 +3,6 @@
 
 #include "maps/ifc/ifc_file.h"
 
-void ifc_curve_push(Reader *r, Curve *curve, Vec3 point) {
-    if (curve->count > 0 && vec3_length(vec3_sub(curve->points[curve->count - 1], point)) < IFC_SAME_POINT)
-        return;
-    *ARENA_PUSH(&r->scratch, curve->points, curve->count, curve->room) = point;
-}
-
 // A curve that ends where it begins is closed.
 static void close_curve(Curve *curve) {
     if (curve->count < 3 ||

@@ -104,7 +104,7 @@ static void add_rings(Reader *r, int record, const FaceRings *f, Shape *out) {
         ifc_note(r, record, "has %d corners and cannot be cut into convex faces", f->count);
 }
 
-static void add_face(Reader *r, int record, Shape *out) {
+static void brep_face(Reader *r, int record, Shape *out) {
     StepValue v[3];
     int type = ifc_type(r, record), before = out->face_count;
     FaceRings f = {0};
@@ -118,7 +118,8 @@ static void add_face(Reader *r, int record, Shape *out) {
     if (type == T_FACE || v[1].record < 0 || ifc_type(r, v[1].record) == T_PLANE) {
         add_rings(r, record, &f, out);
     } else if (!ifc_curved_face(r, v[1].record, &f, same, out)) {
-        ifc_note(r, v[1].record, "is no surface that is read");
+        ifc_note(r, v[1].record, "is no surface that is read: its faces are flat between their edges");
+        add_rings(r, record, &f, out);
     }
     int look = ifc_style_of(r, record);
     for (int i = before; look >= 0 && i < out->face_count; i++) out->faces[i].material = look;
@@ -134,7 +135,7 @@ static void add_shell(Reader *r, int record, Shape *out) {
     }
     StepCursor c = ifc_list(r, &list);
     for (StepValue f = step_next(&c); f.kind != STEP_END && !ifc_too_many(r); f = step_next(&c))
-        add_face(r, f.record, out);
+        brep_face(r, f.record, out);
     int look = ifc_style_of(r, record);
     for (int i = before; look >= 0 && i < out->face_count; i++)
         if (out->faces[i].material < 0) out->faces[i].material = look;

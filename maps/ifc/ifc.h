@@ -105,7 +105,7 @@ typedef struct IfcBoundary {
     bool external;       // beyond the element is the outside
 } IfcBoundary;
 
-// What could not be used, or was not understood: `#123 IFCBSPLINESURFACE of door "D-1": ...`.
+// A part of the file that could not be used, or was not understood: `#123 IFCBSPLINESURFACE of door "D-1": ...`.
 typedef struct IfcNote {
     int entity, product;  // product -1: of none
     const char *text;
@@ -132,7 +132,7 @@ typedef struct IfcModel {
     long long polygon_count;  // of all products
 } IfcModel;
 
-// What is asked of ifc_read.
+// How ifc_read is to read.
 typedef struct IfcOptions {
     int threads;        // 0: as many as there are processors
     int circle_chords;  // chords of a whole circle, 8 .. 256

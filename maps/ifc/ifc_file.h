@@ -37,7 +37,7 @@ typedef struct Pairs {
     int count, room;
 } Pairs;
 
-// What is known of the whole file before meshes are made; then only read, by all threads.
+// All that is known of the whole file before meshes are made; then only read, by all threads.
 typedef struct IfcFile {
     StepFile step;
     IfcOptions options;

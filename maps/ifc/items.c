@@ -1,43 +1,6 @@
 // items.c - representation items as bodies: which reader makes which type, booleans and half spaces, mapped items.
 #include "maps/ifc/ifc_file.h"
 
-void ifc_count_polygons(Reader *r, const Shape *shape) {
-    __atomic_fetch_add(r->file->polygons, shape->face_count + 1, __ATOMIC_RELAXED);
-}
-
-bool ifc_too_many(const Reader *r) {
-    return __atomic_load_n(r->file->polygons, __ATOMIC_RELAXED) > r->file->most_polygons;
-}
-
-bool ifc_enter(Reader *r, int record) {
-    if (r->depth >= IFC_DEEPEST) {
-        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
-        return false;
-    }
-    // Whatever a product is made of stands in the file a few times at most, unless it multiplies.
-    if (r->visits > 100000 + 4ll * r->file->step.record_count) {
-        ifc_note(r, record, "and others stand within each other too often");
-        return false;
-    }
-    r->depth++;
-    r->visits++;
-    return true;
-}
-
-void ifc_leave(Reader *r) { r->depth--; }
-
-void ifc_begin(Reader *r, int product) {
-    if (r->visits >= IFC_VISITS)
-        __atomic_fetch_add(r->file->polygons, r->visits / IFC_VISITS, __ATOMIC_RELAXED);
-    r->visits = 0;
-    r->product = product;
-}
-
-int ifc_style_of(const Reader *r, int record) {
-    int at = ifc_pair(&r->file->styles, record);
-    return at < 0 ? -1 : r->file->styles.pair[at].value;
-}
-
 static bool one_solid(Reader *r, int record, Shape *out, Prism *prism);
 
 static void give_look(Shape *shape, int look) {

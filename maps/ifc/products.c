@@ -11,7 +11,7 @@ static const char *const KIND_NAMES[IFC_KINDS] = {
 
 const char *ifc_kind_name(IfcKind kind) { return KIND_NAMES[kind]; }
 
-static IfcKind kind_of(int type) {
+static IfcKind product_kind(int type) {
     switch (type) {
     case T_SPACE:
         return IFC_SPACE;
@@ -177,7 +177,7 @@ void ifc_read_product(Reader *r, const Relations *rel, int product, IfcProduct *
     int type = step->type[record];
     ifc_arguments(r, record, v, 12);
     *p = (IfcProduct){.entity = step->entity[record],
-                      .kind = kind_of(type),
+                      .kind = product_kind(type),
                       .storey = -1,
                       .space = -1,
                       .whole = -1,
@@ -259,7 +259,7 @@ static void read_storeys(Reader *r, Arena *arena, Relations *rel, IfcModel *mode
     }
 }
 
-// What contains a product tells its storey; a part has that of its whole, an opening that of its host.
+// The container of a product tells its storey; a part has that of its whole, an opening that of its host.
 static int storey_of(const Relations *rel, IfcModel *model, int product, int depth) {
     IfcProduct *p = &model->products[product];
     if (p->storey >= 0 || depth > IFC_DEEPEST) return p->storey;

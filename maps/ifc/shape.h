@@ -70,7 +70,7 @@ int convex_pieces(Arena *arena, const Vec2 *points, const int *size, int ring_co
 
 // Booleans. The work of one call is bounded; false means that it was too much, and `out` then is `a` as it was.
 typedef enum ShapeBoolean { SHAPE_UNION, SHAPE_DIFFERENCE, SHAPE_INTERSECTION } ShapeBoolean;
-// Of a difference there may be many tools, which count as one body; of the others one. All is allocated in `arena`.
+// A difference may have many tools, which count as one body; the others have one. All is allocated in `arena`.
 bool shape_boolean(Arena *arena, ShapeBoolean operation, const Shape *a, const Shape *const *tools,
                    int tool_count, Shape *out);
 // The part of a box behind a plane, as a body.

@@ -17,7 +17,7 @@ enum {
     LONGEST_NAME = 128,
 };
 
-// Of each byte: may it stand in a name, is it a blank.
+// The kinds of bytes.
 static bool is_blank(char c) {
     return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\f' || c == '\v';
 }
@@ -306,7 +306,7 @@ int step_find(const StepFile *file, long long entity) {
 
 // ---- the file
 
-static bool read_header(StepFile *file, size_t *data, Error *error) {
+static bool step_header(StepFile *file, size_t *data, Error *error) {
     size_t at = skip_blanks(file, 0);
     if (at != SIZE_MAX && file->size - at >= 3 && memcmp(file->text + at, "\xEF\xBB\xBF", 3) == 0)
         at = skip_blanks(file, at + 3);
@@ -379,7 +379,7 @@ bool step_read(const char *path, Bytes content, const StepTypes *types, int thre
                StepFile *out, Error *error) {
     *out = (StepFile){.path = path, .types = types, .text = (const char *)content.data, .size = content.size};
     size_t data = 0;
-    if (!read_header(out, &data, error)) return false;
+    if (!step_header(out, &data, error)) return false;
     TypeTable table;
     make_table(&table, types);
     Arena scratch = {0};
@@ -457,7 +457,7 @@ static const double TENS[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e
                               1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
 // A number, rounded as strtod rounds: where the digits fit into a double and the power of ten is exact, one operation rounds once.
-static bool read_number(const StepFile *file, size_t *place, double *out) {
+static bool step_number(const StepFile *file, size_t *place, double *out) {
     const char *text = file->text + *place, *p = text;
     bool negative = *p == '-';
     if (*p == '-' || *p == '+') p++;
@@ -547,7 +547,7 @@ static inline StepValue read_value(StepCursor *c) {
     char first = text[c->at];
     if (is_digit(first) || first == '-' || first == '+' || first == '.') {
         if (first != '.' || is_digit(text[c->at + 1])) {
-            if (read_number(file, &c->at, &v.number)) v.kind = STEP_NUMBER;
+            if (step_number(file, &c->at, &v.number)) v.kind = STEP_NUMBER;
             return v;
         }
         size_t end = name_end(file, c->at + 1);

@@ -201,7 +201,7 @@ static int first_look(Reader *r, const StepValue *list, int depth) {
     return -1;
 }
 
-// Of several layers the first that has a look shows.
+// The first of several layers that has a look shows.
 int ifc_material_look(Reader *r, int record, int depth) {
     StepValue v[4];
     if (depth > 8 || !ifc_arguments(r, record, v, 4)) return -1;

@@ -21,7 +21,7 @@ static void add_cap(Reader *r, const Vec3 *points, const int *size, int rings, b
 }
 
 // Four corners, as two triangles where they are not in a plane.
-static void add_quad(Reader *r, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Shape *out) {
+static void sweep_quad(Reader *r, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Shape *out) {
     Vec3 all[4] = {a, b, c, d}, quad[4];
     int count = 0;
     for (int i = 0; i < 4; i++)
@@ -48,7 +48,7 @@ static void loft(Reader *r, const Profile *p, const Vec3 *base, const Vec3 *top,
         int count = p->size[ring];
         for (int k = 0; k + p->open < count; k++) {
             int a = first + k, b = first + (k + 1) % count;
-            add_quad(r, base[a], base[b], top[b], top[a], out);
+            sweep_quad(r, base[a], base[b], top[b], top[a], out);
         }
         first += count;
     }
@@ -135,7 +135,7 @@ static void add_rings(Reader *r, const Profile *p, Vec3 *const *ring, int count,
         for (int k = 0, first = 0; k < p->ring_count; first += p->size[k], k++) {
             for (int c = 0; c + p->open < p->size[k]; c++) {
                 int here = first + c, next = first + (c + 1) % p->size[k];
-                add_quad(r, a[here], a[next], b[next], b[here], out);
+                sweep_quad(r, a[here], a[next], b[next], b[here], out);
             }
         }
     }
@@ -362,7 +362,7 @@ bool ifc_primitive(Reader *r, int record, Shape *out) {
                     q[n] = frame_point(
                         &f, vec3(a * sin(tall) * cos(round), a * sin(tall) * sin(round), -a * cos(tall)));
                 }
-                add_quad(r, q[0], q[1], q[2], q[3], out);
+                sweep_quad(r, q[0], q[1], q[2], q[3], out);
             }
         }
         return true;

@@ -19,7 +19,7 @@ bool ifc_arguments(Reader *r, int record, StepValue *out, int count) {
 
 int ifc_type(const Reader *r, int record) { return record < 0 ? -1 : r->file->step.type[record]; }
 
-// Of anything but a list, an empty one.
+// The elements of a list; anything else has none.
 StepCursor ifc_list(Reader *r, const StepValue *list) {
     StepCursor c = {&r->file->step, r->file->step.size, &r->bad};
     if (list->kind == STEP_LIST || list->kind == STEP_TYPED) c.at = list->at + 1;
@@ -82,6 +82,45 @@ void ifc_note(Reader *r, int record, const char *format, ...) {
         text = arena_format(&r->kept, "#%d %s %s", entity, step_type_name(&r->file->step, record, &r->kept),
                             text);
     *ARENA_PUSH(&r->kept, r->notes, r->note_count, r->note_room) = (RawNote){entity, r->product, text};
+}
+
+// ---- bounds and looks
+
+void ifc_count_polygons(Reader *r, const Shape *shape) {
+    __atomic_fetch_add(r->file->polygons, shape->face_count + 1, __ATOMIC_RELAXED);
+}
+
+bool ifc_too_many(const Reader *r) {
+    return __atomic_load_n(r->file->polygons, __ATOMIC_RELAXED) > r->file->most_polygons;
+}
+
+bool ifc_enter(Reader *r, int record) {
+    if (r->depth >= IFC_DEEPEST) {
+        ifc_note(r, record, "stands in more than %d others, or in itself", IFC_DEEPEST);
+        return false;
+    }
+    // Whatever a product is made of stands in the file a few times at most, unless it multiplies.
+    if (r->visits > 100000 + 4ll * r->file->step.record_count) {
+        ifc_note(r, record, "and others stand within each other too often");
+        return false;
+    }
+    r->depth++;
+    r->visits++;
+    return true;
+}
+
+void ifc_leave(Reader *r) { r->depth--; }
+
+void ifc_begin(Reader *r, int product) {
+    if (r->visits >= IFC_VISITS)
+        __atomic_fetch_add(r->file->polygons, r->visits / IFC_VISITS, __ATOMIC_RELAXED);
+    r->visits = 0;
+    r->product = product;
+}
+
+int ifc_style_of(const Reader *r, int record) {
+    int at = ifc_pair(&r->file->styles, record);
+    return at < 0 ? -1 : r->file->styles.pair[at].value;
 }
 
 // ---- points and directions
@@ -217,4 +256,10 @@ int ifc_point_list(Reader *r, int record, Vec3 **out) {
         *ARENA_PUSH(&r->scratch, *out, count, room) = vec3_scale(vec3(p[0], p[1], p[2]), r->file->length);
     }
     return count;
+}
+
+void ifc_curve_push(Reader *r, Curve *curve, Vec3 point) {
+    if (curve->count > 0 && vec3_length(vec3_sub(curve->points[curve->count - 1], point)) < IFC_SAME_POINT)
+        return;
+    *ARENA_PUSH(&r->scratch, curve->points, curve->count, curve->room) = point;
 }

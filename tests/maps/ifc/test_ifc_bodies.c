@@ -268,6 +268,38 @@ Test(ifc, faces) {
     arena_free(&arena);
 }
 
+#define CIRCLES                                                                                              \
+    "#110=IFCVERTEXPOINT(#111);#111=IFCCARTESIANPOINT((1.,0.,0.));#112=IFCVERTEXPOINT(#113);#113="           \
+    "IFCCARTESIANPOINT((1.,0.,3.));"                                                                         \
+    "#114=IFCEDGECURVE(#110,#110,#115,.T.);#115=IFCCIRCLE(#11,1.);#116=IFCEDGECURVE(#112,#112,#117,.T.);#"   \
+    "117=IFCCIRCLE(#118,1.);"                                                                                \
+    "#118=IFCAXIS2PLACEMENT3D(#119,$,$);#119=IFCCARTESIANPOINT((0.,0.,3.));#120=IFCEDGECURVE(#110,#112,#"    \
+    "121,.T.);"                                                                                              \
+    "#121=IFCLINE(#111,#122);#122=IFCVECTOR(#12,1.);#123=IFCCYLINDRICALSURFACE(#11,1.);#124=IFCPLANE(#11);#" \
+    "125=IFCPLANE(#118);"                                                                                    \
+    "#130=IFCORIENTEDEDGE(*,*,#114,.T.);#131=IFCORIENTEDEDGE(*,*,#114,.F.);#132=IFCORIENTEDEDGE(*,*,#116,."  \
+    "T.);"                                                                                                   \
+    "#133=IFCORIENTEDEDGE(*,*,#116,.F.);#134=IFCORIENTEDEDGE(*,*,#120,.T.);#135=IFCORIENTEDEDGE(*,*,#120,."  \
+    "F.);"                                                                                                   \
+    "#140=IFCADVANCEDFACE((#143),#124,.F.);#143=IFCFACEOUTERBOUND(#144,.T.);#144=IFCEDGELOOP((#131));"       \
+    "#150=IFCADVANCEDFACE((#153),#125,.T.);#153=IFCFACEOUTERBOUND(#154,.T.);#154=IFCEDGELOOP((#132));"       \
+    "#100=IFCADVANCEDBREP(#101);#101=IFCCLOSEDSHELL((#140,#150,#160));"
+
+// A cylinder as an advanced brep: its side with a seam, and as two loops without one.
+Test(ifc, curved_faces) {
+    const double p = M_PI;
+    const Case cases[] = {
+        {CIRCLES "#160=IFCADVANCEDFACE((#163),#123,.T.);#163=IFCFACEOUTERBOUND(#164,.T.);#164=IFCEDGELOOP((#"
+                 "130,#134,#133,#135));",
+         3 * p, 8 * p},
+        {CIRCLES
+         "#160=IFCADVANCEDFACE((#163,#165),#123,.T.);#163=IFCFACEBOUND(#164,.T.);#164=IFCEDGELOOP((#130));"
+         "#165=IFCFACEBOUND(#166,.T.);#166=IFCEDGELOOP((#133));",
+         3 * p, 8 * p},
+    };
+    check_all(cases, sizeof cases / sizeof *cases);
+}
+
 // The same wall with two openings that touch each other, one flush with its face, one that reaches beyond it.
 Test(ifc, openings) {
     Arena arena = {0};

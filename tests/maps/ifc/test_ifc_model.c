@@ -59,7 +59,7 @@ Test(ifc, relations) {
     cr_expect(f->base == 0 && f->top == 2.5 && f->ring_count == 1 && !f->clipped);
     cr_expect_eq(m.rings[f->first_ring].point_count, 4);
     cr_expect_float_eq(ifc_volume(&wall->whole_mesh) - ifc_volume(&wall->mesh), 1 * 0.2 * 2, 1e-9);
-    // What cannot be used is said by number and name.
+    // The note tells the number and name of a part that cannot be used.
     cr_assert_eq(m.note_count, 1);
     cr_expect(strstr(m.notes[0].text, "#78 IFCHALFSPACESOLID"), "%s", m.notes[0].text);
     arena_free(&arena);

@@ -71,7 +71,7 @@ typedef struct FramesJob {
     PeerFrame *out;
 } FramesJob;
 
-static bool ask(const char *folder, void *context, Arena *arena, Error *error) {
+static bool ask_peer(const char *folder, void *context, Arena *arena, Error *error) {
     const FramesJob *job = context;
     Text text = {.arena = arena};
     append_building(job->graph, arena, &text);
@@ -96,5 +96,5 @@ static bool ask(const char *folder, void *context, Arena *arena, Error *error) {
 bool peer_frames(const char *program, const CellGraph *graph, const Camera *cameras, int count, Arena *arena,
                  PeerFrame *frames, Error *error) {
     FramesJob job = {program, graph, cameras, count, frames};
-    return peer_in_folder(ask, &job, arena, error);
+    return peer_in_folder(ask_peer, &job, arena, error);
 }

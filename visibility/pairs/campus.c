@@ -68,7 +68,7 @@ static int by_cell_number(const void *p, const void *q) {
 }
 
 // The cells that each cell may see through one of its ways, itself among them, as far as these may see it.
-static CellRows unite(const Bounds *b, Arena *scratch) {
+static CellRows unite_bounds(const Bounds *b, Arena *scratch) {
     const WayGraph *ways = &b->ways;
     CellRows rows = cell_rows_new(ways->cell_count, scratch);
     Arena own = {0};
@@ -210,7 +210,7 @@ static long long count_undecided(const Search *s) {
 static bool search_groups(const CellGraph *graph, const Bounds *bounds, const PairOptions *options,
                           const Progress *progress, Arena *arena, CampusPairs *out) {
     Arena scratch = {0};
-    CellRows seen = unite(bounds, &scratch);
+    CellRows seen = unite_bounds(bounds, &scratch);
     if (!window_pays(&seen)) {
         arena_free(&scratch);
         return false;

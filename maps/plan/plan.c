@@ -2,6 +2,7 @@
 //
 // Each statement is one row of STATEMENTS and one function, here, in plan_statements.c or in plan_model.c; its optional words are a table
 // inside it.
+#include "engine/core/memory.h"
 #include "maps/building/reader.h"
 #include "maps/building/texture.h"
 #include "maps/plan/plan_file.h"
@@ -176,7 +177,8 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     plan_note_ramps(plan);
     if (!plan_fit_openings(plan)) return false;
     Error why = {""};
-    if (!maps_enclose(&plan->sketch, out, arena, &why)) return error_set(error, "%s: %.900s", path, why.text);
+    if (!maps_enclose(&plan->sketch, out, arena, &why))
+        return memory_within(error) && error_set(error, "%s: %.900s", path, why.text);
     plan_lay_textures(plan);
     out->hash = plan->beside.hash;
     return plan_set_start(plan);

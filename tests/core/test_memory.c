@@ -209,7 +209,11 @@ Test(memory, gives_up_a_larger_building) {
     cr_assert(scene_load("build/maps/two-rooms.plan", &options, &arena, &scene, &error), "%s", error.text);
     options.gentle = true;
     cr_expect_not(scene_load("build/maps/office.plan", &options, &other, &changed, &error));
-    cr_expect(strstr(error.text, "build/maps/office.plan: making cells takes more than "), "%s", error.text);
+    // Reading it or making cells, whichever comes first to so much; the file is named once.
+    cr_expect(strncmp(error.text, "build/maps/office.plan: ", 24) == 0 &&
+                  strstr(error.text, " takes more than ") &&
+                  !strstr(error.text + 1, "build/maps/office.plan"),
+              "%s", error.text);
     arena_free(&other);
     cr_expect(scene_load("build/maps/house.plan", &options, &other, &changed, &error), "%s", error.text);
     cr_expect_eq(scene.graph.cell_count, scene.forest.cell_count);

@@ -114,14 +114,16 @@ over() {
     says err "^enfilade: $maps/[a-z0-9.]*: $stage takes more than [0-9]* MB of memory (--memory MB allows more)\$"
     [ ! -e "$work/over" ] || fail "$* left something"
 }
+stage='reading'
+over info $maps/hillside.sh3d --memory 28
+over vis $maps/hillside.sh3d --memory 28 -o "$work/over"
+over vis $maps/hillside.sh3d --memory 28 --pairs "$work/over"
+over plan $maps/hillside.sh3d --memory 28 -o "$work/over"
+over render $maps/hillside.sh3d --memory 28 -o "$work/over"
+over bench walk $maps/hillside.sh3d --memory 28
+over walk $maps/hillside.sh3d --memory 28 --offscreen "$work/over"
 stage='making cells'
-over info $maps/hillside.sh3d --memory 34
-over vis $maps/hillside.sh3d --memory 34 -o "$work/over"
-over vis $maps/hillside.sh3d --memory 34 --pairs "$work/over"
-over plan $maps/hillside.sh3d --memory 34 -o "$work/over"
-over render $maps/hillside.sh3d --memory 34 -o "$work/over"
-over bench walk $maps/hillside.sh3d --memory 34
-over walk $maps/hillside.sh3d --memory 34 --offscreen "$work/over"
+over info $maps/villa.sh3d --memory 28
 stage=baking
 over bake $maps/house.plan --memory 40 --element 0.1 -o "$work/over"
 expect 0 "$program" info $maps/office.plan --memory 1000

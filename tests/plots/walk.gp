@@ -9,7 +9,7 @@ colours = "#b0b0b0 #7a5fa8 #d08020 #3080c0 #b02020 #408040"
 titles = "'polygons drawn, % of all' 'query, microseconds' 'frame, ms (640x360, software OpenGL)'"
 count = words(system(sprintf("cut -d, -f2 %s | sort -u | grep -v method | tr '\\n' ' '", csv)))
 buildings = int(system(sprintf("grep -c ',none,' %s", csv)))
-label_of(file) = file[1:strlen(file) - 5]
+label_of(file) = file[1:strstrt(file, '.') - 1]
 figure(k, drawn, all, query, frame) = k == 1 ? 100 * drawn / all : k == 2 ? query : frame
 place(row) = int(row / count) * (count + 1.5) + int(row) % count
 set boxwidth 0.9

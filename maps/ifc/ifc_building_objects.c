@@ -37,6 +37,83 @@ static bool in_room_plane(IfcPlan *p, const Vec3 *c, int count) {
     return false;
 }
 
+// ---- which side of a surface is its front
+
+// Bodies of more polygons keep the sides that the file gives them.
+enum { MOST_TURNED = 2000 };
+// The area vectors of a closed surface whose sides are right add up to nothing, but for this share of the area, and its volume is not
+// negative.
+static const double CLOSED = 1e-4;
+// How far off a polygon its two sides begin, metres.
+static const double OFF_SURFACE = 1e-4;
+
+static Vec3 area_vector(const Vec3 *c, int count) {
+    Vec3 sum = {0, 0, 0};
+    for (int k = 1; k + 1 < count; k++)
+        sum = vec3_add(sum, vec3_cross(vec3_sub(c[k], c[0]), vec3_sub(c[k + 1], c[0])));
+    return vec3_scale(sum, 0.5);
+}
+
+// Does a ray meet the convex polygon?
+static bool meets(Vec3 from, Vec3 ray, const Vec3 *c, int count, Vec3 area) {
+    double towards = vec3_dot(area, ray), t = vec3_dot(area, vec3_sub(c[0], from)) / towards;
+    if (!(t > 0) || !isfinite(t)) return false;
+    Vec3 at = vec3_add(from, vec3_scale(ray, t));
+    for (int k = 0; k < count; k++) {
+        Vec3 a = c[k], b = c[k + 1 == count ? 0 : k + 1];
+        if (vec3_dot(vec3_cross(vec3_sub(b, a), vec3_sub(at, a)), area) < 0) return false;
+    }
+    return true;
+}
+
+// Is the side to which `n` points inside the body? Then a ray from there meets its surface an odd number of times.
+static bool is_inside(const IfcMesh *mesh, const Vec3 *areas, Vec3 middle, Vec3 n) {
+    Vec3 aside = vec3_cross(n, fabs(n.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0));
+    // Askew, since edges often lie straight before each other.
+    Vec3 ray = vec3_add(n, vec3_add(vec3_scale(aside, 0.137), vec3_scale(vec3_cross(n, aside), 0.071)));
+    Vec3 from = vec3_add(middle, vec3_scale(n, OFF_SURFACE));
+    bool inside = false;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *p = &mesh->polygons[i];
+        inside ^= meets(from, ray, mesh->corners + p->first_corner, p->corner_count, areas[i]);
+    }
+    return inside;
+}
+
+// Some programs write surfaces whose sides are anyhow: marks the polygons that show their backs to the outside. Light falls on fronts.
+static void find_turned(const IfcMesh *mesh, Arena *arena, bool *turned) {
+    Vec3 *areas = ARENA_ARRAY(arena, Vec3, mesh->polygon_count), sum = {0, 0, 0};
+    double total = 0, volume = 0;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *p = &mesh->polygons[i];
+        const Vec3 *corners = mesh->corners + p->first_corner;
+        areas[i] = area_vector(corners, p->corner_count);
+        sum = vec3_add(sum, areas[i]);
+        total += vec3_length(areas[i]);
+        volume += vec3_dot(vec3_sub(corners[0], mesh->corners[0]), areas[i]);
+    }
+    bool right = vec3_length(sum) <= CLOSED * total && volume >= 0;
+    if (mesh->polygon_count > MOST_TURNED || right) return;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *p = &mesh->polygons[i];
+        Vec3 middle = {0, 0, 0};
+        for (int k = 0; k < p->corner_count; k++)
+            middle = vec3_add(middle, vec3_scale(mesh->corners[p->first_corner + k], 1.0 / p->corner_count));
+        if (!(vec3_length(areas[i]) > 0)) continue;
+        Vec3 n = vec3_normalize(areas[i]);
+        turned[i] = is_inside(mesh, areas, middle, n) && !is_inside(mesh, areas, middle, vec3_scale(n, -1));
+    }
+}
+
+static void add_corners(IfcPlan *p, const Vec3 *corners, int count, bool turned, int material) {
+    Vec3 *other = NULL;
+    if (turned) {
+        other = ARENA_ARRAY(&p->scratch, Vec3, count);
+        for (int k = 0; k < count; k++) other[k] = corners[count - 1 - k];
+    }
+    building_add_polygon(p->arena, p->b, turned ? other : corners, count, material);
+}
+
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise) {
     Building *b = p->b;
     if (mesh->polygon_count == 0) return -1;
@@ -44,13 +121,15 @@ int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *n
         building_tally(&p->too_many, name, mesh->corners[0]);
         return -1;
     }
+    bool *turned = ARENA_ARRAY(&p->scratch, bool, mesh->polygon_count);
+    find_turned(mesh, &p->scratch, turned);
     int object = building_add_object(p->arena, b, kind, name);
     for (int i = 0; i < mesh->polygon_count; i++) {
         const IfcPolygon *polygon = &mesh->polygons[i];
         const Vec3 *corners = mesh->corners + polygon->first_corner;
         if (in_room_plane(p, corners, polygon->corner_count)) continue;
-        building_add_polygon(p->arena, b, corners, polygon->corner_count,
-                             ifc_material(p, polygon->material, otherwise));
+        add_corners(p, corners, polygon->corner_count, turned[i],
+                    ifc_material(p, polygon->material, otherwise));
     }
     if (b->objects[object].polygon_count > 0) return object;
     b->object_count--;

@@ -132,6 +132,30 @@ int house_attic(House *h, const char *number, const char *name, int storey, Vec3
     return add_space(h, number, name, storey, shape_of(h, arena_format(h->arena, "#%d", brep), "Brep"));
 }
 
+int house_sheets(House *h, const char *name, int storey, Vec3 low, Vec3 high, unsigned turned) {
+    static const int FACES[6][4] = {{0, 2, 3, 1}, {0, 1, 5, 4}, {2, 6, 7, 3},
+                                    {4, 5, 7, 6}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    int point[8];
+    for (int i = 0; i < 8; i++)
+        point[i] = add(h, "IFCCARTESIANPOINT((%.9f,%.9f,%.9f))", (i & 1 ? high.x : low.x) * h->metre,
+                       (i & 2 ? high.y : low.y) * h->metre, (i & 4 ? high.z : low.z) * h->metre);
+    const char *faces = "";
+    for (int f = 0; f < 6; f++) {
+        const int *k = FACES[f];
+        bool other = turned >> f & 1;
+        int ring = add(h, "IFCPOLYLOOP((#%d,#%d,#%d,#%d))", point[k[0]], point[k[other ? 3 : 1]], point[k[2]],
+                       point[k[other ? 1 : 3]]);
+        int bound = add(h, "IFCFACEOUTERBOUND(#%d,.T.)", ring);
+        faces = arena_format(h->arena, "%s%s#%d", faces, f ? "," : "", add(h, "IFCFACE((#%d))", bound));
+    }
+    int set = add(h, "IFCCONNECTEDFACESET((%s))", faces),
+        model = add(h, "IFCFACEBASEDSURFACEMODEL((#%d))", set);
+    int body = shape_of(h, arena_format(h->arena, "#%d", model), "SurfaceModel"), place = own_place(h);
+    int made = add(h, "IFCFURNISHINGELEMENT('%s',$,'%s',$,$,#%d,#%d,$)", guid(h), name, place, body);
+    add(h, "IFCRELCONTAINEDINSPATIALSTRUCTURE('%s',$,$,$,(#%d),#%d)", guid(h), made, h->storeys[storey]);
+    return made;
+}
+
 void house_part(House *h, int whole, int part) {
     add(h, "IFCRELAGGREGATES('%s',$,$,$,#%d,(#%d))", guid(h), whole, part);
 }

@@ -26,6 +26,8 @@ int house_space(House *h, const char *number, const char *name, int storey, Vec3
 // The same of a faceted boundary: a house's end whose ridge runs along x at half the depth, `ridge` high.
 int house_attic(House *h, const char *number, const char *name, int storey, Vec3 low, Vec3 high,
                 double ridge);
+// A piece of furniture: the six faces of a box as sheets. Faces whose bits are set in `turned` show their backs to the outside.
+int house_sheets(House *h, const char *name, int storey, Vec3 low, Vec3 high, unsigned turned);
 void house_part(House *h, int whole, int part);
 // A box cut out of a product.
 int house_hole(House *h, int host, Vec3 low, Vec3 high);

@@ -2,6 +2,7 @@
 // spaces or walls, and real files.
 #include <criterion/criterion.h>
 
+#include "engine/core/polygon.h"
 #include "engine/core/random.h"
 #include "tests/maps/ifc/house_fixture.h"
 #include "tests/support/support.h"
@@ -272,6 +273,28 @@ Test(ifc_building, attic) {
             if (strcmp(b.objects[i].name, "sloped ceiling") == 0) slopes += b.objects[i].polygon_count;
         cr_expect_eq(rooms > 0, roofed);
         cr_expect_eq(slopes, 2);
+        arena_free(&arena);
+    }
+}
+
+// Whatever sides the sheets of a closed body have in the file, their fronts show outwards: light falls on fronts.
+Test(ifc_building, fronts_show_outwards) {
+    for (unsigned turned = 0; turned < 64; turned += 7) {
+        Arena arena = {0};
+        Building b;
+        House h = house_two_rooms(&arena, false, vec2(0, 0), 0, true);
+        house_sheets(&h, "chest", 0, vec3(1, 1, 0.1), vec3(2, 1.5, 0.9), turned);
+        house_read(&arena, house_end(&h), &b);
+        int sheets = 0;
+        for (int o = 0; o < b.object_count; o++) {
+            if (strcmp(b.objects[o].name, "chest") != 0) continue;
+            for (int i = 0; i < b.objects[o].polygon_count; i++, sheets++) {
+                const Polygon *p = &b.polygons[b.objects[o].first_polygon + i];
+                Plane plane = plane_of_polygon(b.vertices + p->first_vertex, p->vertex_count);
+                cr_expect_lt(plane_distance(plane, vec3(1.5, 1.25, 0.5)), 0, "sheet %d of %u", i, turned);
+            }
+        }
+        cr_expect_eq(sheets, 6);
         arena_free(&arena);
     }
 }

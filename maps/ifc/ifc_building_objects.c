@@ -67,7 +67,7 @@ static bool meets(Vec3 from, Vec3 ray, const Vec3 *c, int count, Vec3 area) {
 }
 
 // Is the side to which `n` points inside the body? Then a ray from there meets its surface an odd number of times.
-static bool is_inside(const IfcMesh *mesh, const Vec3 *areas, Vec3 middle, Vec3 n) {
+static bool is_in_body(const IfcMesh *mesh, const Vec3 *areas, Vec3 middle, Vec3 n) {
     Vec3 aside = vec3_cross(n, fabs(n.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0));
     // Askew, since edges often lie straight before each other.
     Vec3 ray = vec3_add(n, vec3_add(vec3_scale(aside, 0.137), vec3_scale(vec3_cross(n, aside), 0.071)));
@@ -101,7 +101,7 @@ static void find_turned(const IfcMesh *mesh, Arena *arena, bool *turned) {
             middle = vec3_add(middle, vec3_scale(mesh->corners[p->first_corner + k], 1.0 / p->corner_count));
         if (!(vec3_length(areas[i]) > 0)) continue;
         Vec3 n = vec3_normalize(areas[i]);
-        turned[i] = is_inside(mesh, areas, middle, n) && !is_inside(mesh, areas, middle, vec3_scale(n, -1));
+        turned[i] = is_in_body(mesh, areas, middle, n) && !is_in_body(mesh, areas, middle, vec3_scale(n, -1));
     }
 }
 

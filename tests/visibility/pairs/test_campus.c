@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "engine/core/memory.h"
 #include "maps/maps.h"
 #include "tests/support/support.h"
 #include "visibility/pairs/campus.h"
@@ -74,23 +75,40 @@ Test(campus, windows_find_what_a_matrix_finds, .timeout = 120) {
     arena_free(&m.arena);
 }
 
+typedef struct Memory {
+    size_t before, most;  // bytes in use at first; at most above them
+} Memory;
+
+static bool watch_memory(void *context, const char *stage, double done) {
+    Memory *memory = context;
+    size_t used = memory_used() - memory->before;
+    (void)stage, (void)done;
+    if (used > memory->most) memory->most = used;
+    return true;
+}
+
 // Proves that work and memory for a visible pair do not grow with the number of rooms. Tolerance: beams are not alike everywhere; a search
 // over all pairs would take six times as much for a pair of the larger building.
 Test(campus, cost_of_a_room_stays, .timeout = 120) {
-    double chains[2], bytes[2], pairs[2];
+    double chains[2], bytes[2], pairs[2], search[2];
     for (int k = 0; k < 2; k++) {
         Made m;
         CampusPairs found;
         Arena arena = {0};
         int side = k ? 64 : 25;
         make_rooms(side, &m);
-        cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 1}, NULL, &arena, &found));
+        Memory memory = {.before = memory_used()};
+        Progress progress = {watch_memory, &memory};
+        cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 1}, &progress, &arena, &found));
         chains[k] = (double)found.work.chains / (side * side);
         bytes[k] = (double)arena.used / (side * side);
         pairs[k] = (double)cell_rows_count(&found.seen) / (side * side);
+        search[k] = (double)memory.most / (side * side);
         arena_free(&arena);
         arena_free(&m.arena);
     }
+    cr_expect_lt(search[1] / pairs[1], 1.15 * search[0] / pairs[0], "%g and %g bytes a pair in use",
+                 search[1] / pairs[1], search[0] / pairs[0]);
     cr_expect_lt(chains[1] / pairs[1], 1.15 * chains[0] / pairs[0], "%g and %g chains a pair",
                  chains[1] / pairs[1], chains[0] / pairs[0]);
     // A word for each pair, and as much again for gaps and heads of runs: a matrix would take 30 bytes for a pair of the larger one.

@@ -64,6 +64,8 @@ void ifc_plan_floors(IfcPlan *p);                            // holes in floors,
 bool ifc_is_stair(const IfcModel *m, const IfcProduct *it);  // flights, ramps, and the landings between them
 // The storey on which something stands whose foot is at this height.
 int ifc_storey_at(const IfcPlan *p, double z);
+// The mean of a polygon's corners, and the box around them.
+Vec3 ifc_middle(const Vec3 *corners, int count, Box *box);
 // The room of a storey, or of any (-1), in which a place is; -1: none.
 int ifc_room_at(IfcPlan *p, int storey, Vec3 place);
 

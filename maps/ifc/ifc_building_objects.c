@@ -20,14 +20,9 @@ static const double BESIDE = 0.5;
 
 // Whether a level polygon lies in the floor or the ceiling of a room, which is there already.
 static bool in_room_plane(IfcPlan *p, const Vec3 *c, int count) {
-    double low = INFINITY, high = -INFINITY;
-    Vec3 middle = vec3(0, 0, 0);
-    for (int i = 0; i < count; i++) {
-        low = fmin(low, c[i].z);
-        high = fmax(high, c[i].z);
-        middle = vec3_add(middle, vec3_scale(c[i], 1.0 / count));
-    }
-    if (high - low > IN_PLANE) return false;
+    Box box;
+    Vec3 middle = ifc_middle(c, count, &box);
+    if (box.max.z - box.min.z > IN_PLANE) return false;
     for (int side = -1; side <= 1; side += 2) {
         int room = ifc_room_at(p, -1, vec3(middle.x, middle.y, middle.z + side * 2 * IN_PLANE));
         if (room < 0) continue;
@@ -46,13 +41,6 @@ enum { MOST_TURNED = 2000 };
 static const double CLOSED = 1e-4;
 // How far off a polygon its two sides begin, metres.
 static const double OFF_SURFACE = 1e-4;
-
-static Vec3 area_vector(const Vec3 *c, int count) {
-    Vec3 sum = {0, 0, 0};
-    for (int k = 1; k + 1 < count; k++)
-        sum = vec3_add(sum, vec3_cross(vec3_sub(c[k], c[0]), vec3_sub(c[k + 1], c[0])));
-    return vec3_scale(sum, 0.5);
-}
 
 // Does a ray meet the convex polygon?
 static bool meets(Vec3 from, Vec3 ray, const Vec3 *c, int count, Vec3 area) {
@@ -87,7 +75,8 @@ static void find_turned(const IfcMesh *mesh, Arena *arena, bool *turned) {
     for (int i = 0; i < mesh->polygon_count; i++) {
         const IfcPolygon *p = &mesh->polygons[i];
         const Vec3 *corners = mesh->corners + p->first_corner;
-        areas[i] = area_vector(corners, p->corner_count);
+        areas[i] =
+            vec3_scale(plane_of_polygon(corners, p->corner_count).n, polygon_area(corners, p->corner_count));
         sum = vec3_add(sum, areas[i]);
         total += vec3_length(areas[i]);
         volume += vec3_dot(vec3_sub(corners[0], mesh->corners[0]), areas[i]);
@@ -96,11 +85,10 @@ static void find_turned(const IfcMesh *mesh, Arena *arena, bool *turned) {
     if (mesh->polygon_count > MOST_TURNED || right) return;
     for (int i = 0; i < mesh->polygon_count; i++) {
         const IfcPolygon *p = &mesh->polygons[i];
-        Vec3 middle = {0, 0, 0};
-        for (int k = 0; k < p->corner_count; k++)
-            middle = vec3_add(middle, vec3_scale(mesh->corners[p->first_corner + k], 1.0 / p->corner_count));
         if (!(vec3_length(areas[i]) > 0)) continue;
-        Vec3 n = vec3_normalize(areas[i]);
+        Box box;
+        Vec3 middle = ifc_middle(mesh->corners + p->first_corner, p->corner_count, &box),
+             n = vec3_normalize(areas[i]);
         turned[i] = is_in_body(mesh, areas, middle, n) && !is_in_body(mesh, areas, middle, vec3_scale(n, -1));
     }
 }

@@ -311,6 +311,16 @@ bool ifc_plan_storeys(IfcPlan *p, Error *error) {
 
 // ---- rooms
 
+Vec3 ifc_middle(const Vec3 *corners, int count, Box *box) {
+    Vec3 sum = {0, 0, 0};
+    *box = box_empty();
+    for (int i = 0; i < count; i++) {
+        sum = vec3_add(sum, vec3_scale(corners[i], 1.0 / count));
+        *box = box_add(*box, corners[i]);
+    }
+    return sum;
+}
+
 int ifc_room_at(IfcPlan *p, int storey, Vec3 place) {
     int count = box_tree_find(&p->room_tree, (Box){place, place}, &p->scratch, &p->near);
     for (int i = 0; i < count; i++) {
@@ -390,13 +400,9 @@ static void add_inner_faces(IfcPlan *p, const IfcRoom *room) {
         int n = polygon->corner_count;
         const Vec3 *c = mesh->corners + polygon->first_corner;
         Plane plane = plane_of_polygon(c, n);
-        double low = INFINITY, high = -INFINITY;
-        Vec3 middle = vec3(0, 0, 0);
-        for (int k = 0; k < n; k++) {
-            low = fmin(low, c[k].z);
-            high = fmax(high, c[k].z);
-            middle = vec3_add(middle, vec3_scale(c[k], 1.0 / n));
-        }
+        Box box;
+        Vec3 middle = ifc_middle(c, n, &box);
+        double low = box.min.z, high = box.max.z;
         bool ceiling = plane.n.z > 0.01 && low < room->z1 - SAME_HEIGHT,
              floor = plane.n.z < -0.01 && high > room->z0 + SAME_HEIGHT;
         if (!ceiling && !floor) {

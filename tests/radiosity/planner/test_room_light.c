@@ -222,3 +222,15 @@ Test(room_light, daylight_levels) {
     cr_expect_eq(daylight_level(750, 500), DAYLIGHT_LEVEL_HIGH);
     cr_expect_eq(daylight_level(NAN, NAN), DAYLIGHT_LEVEL_NONE);
 }
+
+// Level ground under a sky of even radiance L receives pi L: a daylight factor of 1, whatever the sky's colour.
+Test(room_light, level_ground_has_all_daylight) {
+    static const double RADIANCE[2][3] = {{1, 1, 1}, {0.2, 3, 7}};
+    for (int k = 0; k < 2; k++) {
+        Daylight day = daylight_uniform(RADIANCE[k]);
+        double weight[3], factor = 0;
+        room_daylight_factor(&day, weight);
+        for (int c = 0; c < 3; c++) factor += weight[c] * M_PI * RADIANCE[k][c];
+        cr_expect_float_eq(factor, 1, 1e-12);
+    }
+}

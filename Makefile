@@ -1,5 +1,5 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
-#   make [config=release|debug|asan|tsan] [CC=gcc|clang] [arch=x86-64]   program and sample buildings
+#   make [config=release|debug|asan|tsan] [CC=gcc|clang] [arch=x86-64] [mpi=1]   program and sample buildings
 #   make test | soak | asan | tsan | fuzz | mutants | coverage | portable | bench | figures | pictures |
 #        charts | lint | docs | install PREFIX= DESTDIR= | clean
 config ?= release
@@ -28,7 +28,9 @@ arch ?= $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),x86-64-v3,armv8-a)
 # All cores, unless the caller said how many. Known in recipes only: make hides it from itself while it reads.
 submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
-dir := build/$(config)
+# mpi=1: bakes in several processes, by Open MPI. The program is in a folder of its own, build/release-mpi.
+mpi ?=
+dir := build/$(config)$(if $(mpi),-mpi)
 layers := engine/core engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
           maps/doom maps/quake maps/ifc maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
@@ -57,10 +59,11 @@ flags_counted := -O1 -g0 -fsanitize-coverage=trace-pc
 # Without sanitizers a reader is tried ten times as often. What is found so goes through config=fuzz, too.
 flags_swift := -O2 -fsanitize-coverage=inline-8bit-counters,pc-table
 flags_coverage := -O1 --coverage
-CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
+flags_mpi := $(if $(mpi),-DENFILADE_MPI $(patsubst -I%,-isystem %,$(shell mpicc --showme:compile)))
+CFLAGS_ALL = $(base) $(flags_$(config)) $(flags_mpi) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
-libs := -lgeos_c -lminizip -lexpat -lpng -lwebp -lassimp -ljansson -lglfw -lembree3 -lm
+libs := $(if $(mpi),$(shell mpicc --showme:link)) -lgeos_c -lminizip -lexpat -lpng -lwebp -lassimp -ljansson -lglfw -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 # Of one configuration alone; the file says why.
@@ -75,6 +78,7 @@ maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d bu
 to_build := gcc libc6-dev python3-glad libgeos-dev libminizip-dev libexpat1-dev libpng-dev libwebp-dev libassimp-dev libjansson-dev \
             libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
             fonts-dejavu-core
+to_build += $(if $(mpi),libopenmpi-dev openmpi-bin)
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
 to_test := $(to_walk) libzip-dev time libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
 to_portable := gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user

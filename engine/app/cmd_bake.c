@@ -11,7 +11,7 @@
 #include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
-#include "engine/scene/bake_mesh.h"
+#include "engine/scene/bake_parts.h"
 #include "engine/scene/light.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
@@ -33,6 +33,8 @@ typedef struct BakeArguments {
     bool final_gather, resume, json, each;
     // The limit of the whole bake, seconds; 0: none.
     double seconds;
+    // In parts of so many cells at most; 0: as a whole.
+    int parts;
     Probes probes;
     // The file that probes were read from, the last one; NULL: none.
     const char *probe_file;
@@ -61,6 +63,7 @@ typedef struct Bake {
     RadSolution shown, probed_light;
     RadOptions rad;  // as asked for, or as fits the mesh
     RadReport report;
+    PartsReport parts;          // of a bake in parts
     DirectSources *sources;     // of the light of each lamp, or NULL
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
     double start;               // of all, on the clock
@@ -201,7 +204,7 @@ static void show_direct(Bake *bake, Arena *arena) {
     Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
     Progress progress = {report_timed, &timed};
     bool whole = direct_show_apart(&bake->mesh, &bake->scene.forest, bake->doors, bake->rad.threads,
-                                   &progress, arena, &bake->solution, bake->sources, &bake->report);
+                                   &progress, arena, &bake->solution, bake->sources, NULL, &bake->report);
     app_progress_end();
     bake->unlit = !whole && timed.over;
     bake->report.stopped = !whole && !timed.over;
@@ -290,13 +293,39 @@ static bool store(const Bake *bake, Error *error) {
            (!model || export_glb(model, &bake->fine->mesh, &bake->shown, bake->doors, error));
 }
 
+static int part_cells(const Bake *bake) {
+    if (bake->a->parts > 0 || !team_is_started()) return bake->a->parts;
+    return bake_parts_cells(&bake->scene.graph);
+}
+
+// The first process of several stores the light.
+static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
+    const BakeArguments *a = bake->a;
+    BakeOptions options = a->bake;
+    options.day = bake->scene.day;
+    double start = clock_seconds();
+    Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
+    Progress progress = {report_timed, &timed};
+    bool good = bake_parts(&options, &bake->scene, part_cells(bake), &progress, arena, &bake->doors,
+                           &bake->mesh, &bake->solution, &bake->parts, error);
+    app_progress_end();
+    bake->report = bake->parts.rad;
+    bake->shoot_seconds = clock_seconds() - start;
+    bake->rad = a->bake.rad;
+    if (!good || team_rank() > 0) return good;
+    rad_fit(&bake->mesh, &bake->rad);
+    return check_room(bake, error) && light_fine(bake, arena, error) && store(bake, error);
+}
+
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     const char *written[] = {a->out, a->model}, *read[] = {a->file, a->probe_file};
     SceneOptions load = a->load;
     if (!app_check_files(written, 2, read, 2, &load, error) ||
-        !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
-        !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin_light(bake, arena, error))
+        !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error))
+        return false;
+    if (part_cells(bake) > 0) return compute_parts(bake, arena, error);
+    if (!make_mesh(bake, arena, error) || !check_room(bake, error) || !begin_light(bake, arena, error))
         return false;
     if (a->each) {
         bake->rad.rows = shoot_rows_new(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad,
@@ -370,6 +399,12 @@ static json_t *facts_of(const Bake *bake) {
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
     if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));
     json_object_set_new(facts, "stopped", json_boolean(r->stopped));
+    if (bake->parts.parts > 0) {
+        json_object_set_new(facts, "parts", json_integer(bake->parts.parts));
+        json_object_set_new(facts, "ranks", json_integer(bake->parts.ranks));
+        json_object_set_new(facts, "elements_made_share", json_real(bake->parts.elements_share));
+        json_object_set_new(facts, "sent_mb", json_real(bake->parts.sent_mb));
+    }
     return facts;
 }
 
@@ -466,7 +501,7 @@ static int bake(BakeArguments *arguments) {
     b.start = clock_seconds();
     bool good = compute(&b, &arena, &error);
     b.seconds = clock_seconds() - b.start;
-    if (good) print_bake(&b);
+    if (good && team_rank() == 0) print_bake(&b);
     bool stopped = good ? b.report.stopped : app_interrupted();
     arena_free(&arena);
     if (!good) return app_fail(stopped ? APP_STOPPED : APP_BAD_INPUT, "%s", error.text);
@@ -669,6 +704,16 @@ static const Option ROWS[] = {
      .help = "polygons that are left out: @ (default stab); depth: those behind things; cells, plan "
              "(Oki), stab, portals: also those that the cells exclude; the result is the same"},
     {.name = "no-cull", .type = OPTION_FLAG, .at = offsetof(Arguments, no_cull), .help = "--culling none"},
+    {.name = "parts",
+     .value = "CELLS",
+     .type = OPTION_INT,
+     .at = AT(parts),
+     .low = 1,
+     .high = MAPS_MAX_CELLS,
+     .help =
+         "in parts of so many cells at most, one after the other or, in a program made by `make mpi=1` and "
+         "started by mpirun, side by side: then the default is an eighth of the cells, 16 to 1024. The parts "
+         "decide the light, not the number of processes"},
     OPTION_THREADS(AT(bake.rad.threads)),
     OPTION_MEMORY(AT(load.memory), "what fits the file to open it, then three quarters of the machine's"),
     {.name = "row-memory",
@@ -714,6 +759,11 @@ static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {
     if ((code = app_check_day("bake", &b->load.day)) != APP_GOOD) return code;
     b->each = b->load.lamp_state && strcmp(b->load.lamp_state, "each") == 0;
     if (b->each) b->load.lamp_state = NULL;
+    bool parts = b->parts > 0 || team_is_started();
+    if (parts && (b->resume || b->each || b->final_gather || b->seconds > 0 || b->bake.rad.shots > 0))
+        return app_misuse("bake",
+                          "bake: light that is found in parts has no --resume, --lamps each, --final-gather, "
+                          "--seconds or --shots");
     if (b->each && b->final_gather)
         return app_misuse("bake", "bake: --lamps each: light of each lamp is not gathered by --final-gather");
     if (b->bake.rad.form_factor.hidden && strcmp(b->bake.rad.method->name, "hemicube") != 0)

@@ -58,7 +58,8 @@ static bool bake_each(Relit *r, Arena *arena, Error *error) {
     DirectSources *sources = r->sources = each_lamp_sources(&r->mesh, &r->scene.lamps, 0, arena);
     relight_prepare(sources, &r->mesh, arena);
     rad_shoot(&r->mesh, &r->scene.forest, r->doors, &r->rad, NULL, &r->solution);
-    direct_show_apart(&r->mesh, &r->scene.forest, r->doors, 0, NULL, arena, &r->solution, sources, NULL);
+    direct_show_apart(&r->mesh, &r->scene.forest, r->doors, 0, NULL, arena, &r->solution, sources, NULL,
+                      NULL);
     r->bake_seconds = clock_seconds() - start;
     r->truth = r->solution;
     copy_light(arena, &r->truth);

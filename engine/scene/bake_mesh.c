@@ -66,7 +66,7 @@ bool bake_mesh(const BakeOptions *bake, const LoadedScene *scene, const char *re
     if (!check_size(scene->building.source, options.element, graph, error)) return false;
     *doors = door_state_drawn(&scene->building, arena);
     if (bake->doors && !door_state_apply(&scene->building, bake->doors, *doors, error)) return false;
-    AdaptScene lit = {graph, &scene->forest, *doors};
-    options.proxies = proxies_find(graph, options.proxy, arena);
+    AdaptScene lit = {graph, &scene->forest, *doors, bake->member};
+    if (!options.proxies) options.proxies = proxies_find(graph, options.proxy, arena);
     return find_mesh(bake, &lit, &options, resumed, progress, arena, out, error);
 }

@@ -16,6 +16,8 @@ typedef struct BakeOptions {
     const char *doors;
     // The scene's; all zeros: night.
     Daylight day;
+    // The member that bakes a part of the building (mesh.part); NULL: the whole building is baked.
+    TeamMember *member;
 } BakeOptions;
 BakeOptions bake_default_options(void);
 

@@ -280,7 +280,7 @@ static bool bake_all(Baking *b, WalkLight *out, Error *error) {
     if (report.stopped) return error_set(error, "stopped");
     if (hooks->show) show_solution(&shower, b->solution);
     if (!direct_show_apart(b->mesh, forest, b->doors, hooks->threads, &hooks->progress, b->arena, b->solution,
-                           b->sources, NULL) ||
+                           b->sources, NULL, NULL) ||
         !show_finer(b->drawn, b->solution, b->doors, &b->bake->scene->lamps, b->arena, out, error))
         return error_set(error, "stopped");
     return true;

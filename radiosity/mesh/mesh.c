@@ -96,6 +96,10 @@ static bool is_taken(const Mesh *mesh, int polygon) {
            (proxies ? proxies->replaced[polygon] : false) == mesh->options.replaced;
 }
 
+static bool takes_part(const MeshOptions *options, int object) {
+    return !options->part || (options->part->objects[object / 64] >> object % 64 & 1);
+}
+
 static void add_stand_ins(MeshBuilder *builder, FaceList *list, int object) {
     const Proxies *proxies = builder->mesh->options.proxies;
     if (!proxies || builder->mesh->options.replaced) return;
@@ -116,6 +120,7 @@ static void add_faces(MeshBuilder *builder, FaceList *list) {
     list->local = ARENA_ARRAY(&builder->scratch, Vec3, most);
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
+        if (!takes_part(&mesh->options, o)) continue;
         // A leaf moves by itself: it shares no place with what stands still.
         builder->places.body = 1 + object->leaf;
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
@@ -158,7 +163,7 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
         return error_set(
             error, "%s: too many wide polygons to cut elements along what stands on them: --close 0 does not",
             source);
-    if (out->patch_count == 0)
+    if (out->patch_count == 0 && !options->part)
         return error_set(error, "%s: no polygon with a front to receive light", source);
     return true;
 }

@@ -28,6 +28,16 @@ enum {
         256,  // elements of a patch, also where 16 x 16 are cut: the index of an element fits in a byte
 };
 
+// A part of a building, of which a mesh is made: the objects whose light is found there, those that are seen from them, and those that
+// stand near any of these, without which elements would be cut otherwise. Each object belongs to one of several parts.
+typedef struct MeshPart {
+    int own;                  // this part
+    const int *owner;         // [graph->object_count] the part to which each object belongs
+    const int *cell_owner;    // [graph->cell_count] and each cell
+    const uint64_t *objects;  // a bit for each object: it is in the mesh
+    const uint64_t *seen;     // and it is seen from this part
+} MeshPart;
+
 // How fine a mesh is.
 typedef struct MeshOptions {
     double element;  // edge length aimed at, metres, 0.01 .. 100
@@ -40,7 +50,8 @@ typedef struct MeshOptions {
     bool replaced;           // the mesh has only the polygons that stand-ins replace, and no stand-ins
     // Vertices of neighbours on an element's edges do not become its corners: drawn, the mesh has cracks
     bool loose;
-    int threads;  // 0: all cores; the mesh is the same on any number
+    int threads;           // 0: all cores; the mesh is the same on any number
+    const MeshPart *part;  // a part of a building, NULL: all of it
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m, PROXY_TOLERANCE but no proxies yet
 
@@ -163,7 +174,10 @@ MeshSplits *mesh_splits_wanted(const Mesh *mesh,
                                               const double box[4], int along[2], int *patch),
                                const void *context, Arena *arena);
 
-// About how many elements the polygons of `mesh` would have without splits.
+// The first bit of each face of the mesh in splits of such a mesh, [face_count + 1], in the arena.
+int *mesh_face_bits(const Mesh *mesh, const MeshSplits *splits, Arena *arena);
+
+// About how many elements the polygons of `mesh` would have without splits; of a part those that are its own.
 double mesh_count_even(const Mesh *mesh);
 
 // The centroid of an element's area.
@@ -216,6 +230,12 @@ static inline void mesh_even(const Mesh *mesh, int element, double out[3]) {
 
 // The reflectance at a point of a face, averaged over about `width` metres (texture_at).
 Rgb mesh_reflectance_at(const Mesh *mesh, int face, Vec3 point, double width);
+
+// Is the light of a face found on this mesh? False: the face belongs to another part of the building.
+static inline bool mesh_owns(const Mesh *mesh, int face) {
+    const MeshPart *part = mesh->options.part;
+    return !part || part->owner[mesh->faces[face].object] == part->own;
+}
 
 // Does a face emit light?
 static inline bool mesh_emits(const Mesh *mesh, int face) {

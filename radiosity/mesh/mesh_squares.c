@@ -109,6 +109,18 @@ static int mesh_deepest(MeshBuilder *builder, double roots) {
     return most;
 }
 
+int *mesh_face_bits(const Mesh *mesh, const MeshSplits *splits, Arena *arena) {
+    int *first = ARENA_ARRAY(arena, int, mesh->face_count + 1), at = 0;
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        int roots = (face->nx / face->root) * (face->ny / face->root);
+        first[f] = at;
+        for (int i = 0; splits->bits && i < roots && at < splits->bit_count; i++) deepest(splits, &at, ROOT);
+    }
+    first[mesh->face_count] = at;
+    return first;
+}
+
 // Appends the leaves below a node to `out`; returns how many leaves there are now. `patch` is the index of the patch's first leaf.
 static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch, MeshLeaf *out, int count) {
     int axis = 0;
@@ -282,6 +294,7 @@ double mesh_count_even(const Mesh *mesh) {
     double edge = mesh->options.element * mesh->options.per_patch, per = mesh->options.per_patch, count = 0;
     for (int f = 0; f < mesh->face_count; f++) {
         const Face *face = &mesh->faces[f];
+        if (!mesh_owns(mesh, f)) continue;
         count += per * patches_along(face->nx / vec3_length(face->gx), edge) * per *
                  patches_along(face->ny / vec3_length(face->gy), edge);
     }

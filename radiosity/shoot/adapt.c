@@ -30,6 +30,7 @@ typedef struct AdaptLimits {
     double most, smallest;
     int deeper;
     bool halves;
+    TeamMember *member;  // `most` is of all parts of the building; NULL: of the whole of it
 } AdaptLimits;
 
 // ---- how deep quadtrees over a lit mesh are worth being: of all their prunings that which tells the light best with so
@@ -168,16 +169,19 @@ typedef struct Trees {
     const AdaptLimits *limits;
     Node *nodes;  // children after their parents
     int count, capacity;
-    int *roots, root_count, root_capacity;
+    int *roots, root_count, root_capacity;  // below 0: ~ the root of a face of another part of the building
     double *below;  // [count] the least sum of squares and costs of each as it was pruned last
     Arena arena;
 } Trees;
 
 typedef struct Forest {
     const Mesh *mesh;
-    Trees *groups;  // [group_count]
-    double cost;    // of a leaf, while it is pruned
+    Trees *groups;       // [group_count]
+    double cost;         // of a leaf, while it is pruned
+    TeamMember *member;  // of a part of a building, or NULL
 } Forest;
+
+static int root_of(const Trees *t, int r) { return t->roots[r] < 0 ? ~t->roots[r] : t->roots[r]; }
 
 static void each_group(Forest *forest, void (*body)(void *context, int group, int thread)) {
     parallel_for(parallel_threads(forest->mesh->options.threads), group_count(forest->mesh), body, forest);
@@ -260,7 +264,8 @@ static void plant(void *context, int group, int thread) {
         const Face *face = &mesh->faces[f];
         for (int j = 0; j < face->ny; j += face->root) {
             for (int i = 0; i < face->nx; i += face->root) {
-                *ARENA_PUSH(&t->arena, t->roots, t->root_count, t->root_capacity) = t->count;
+                *ARENA_PUSH(&t->arena, t->roots, t->root_count, t->root_capacity) =
+                    mesh_owns(mesh, f) ? t->count : ~t->count;
                 *ARENA_PUSH(&t->arena, t->nodes, t->count, t->capacity) = (Node){0};
                 fill_node(t, t->count - 1, face, (Block){i, j, face->root}, 0);
             }
@@ -338,8 +343,9 @@ static double prune(Forest *forest, double cost) {
     double count = 0;
     for (int g = 0; g < group_count(forest->mesh); g++) {
         const Trees *t = &forest->groups[g];
-        for (int r = 0; r < t->root_count; r++) count += t->nodes[t->roots[r]].count;
+        for (int r = 0; r < t->root_count; r++) count += t->roots[r] < 0 ? 0 : t->nodes[t->roots[r]].count;
     }
+    if (forest->member) team_sum(forest->member, &count, 1);
     return count;
 }
 
@@ -357,6 +363,7 @@ static void prune_to(Forest *forest, double limit) {
         const Trees *t = &forest->groups[g];
         for (int i = 0; i < t->count; i++) high = fmax(high, t->nodes[i].all.error);
     }
+    if (forest->member) team_most(forest->member, &high, 1);
     double low = LEAST_COST * high, many = prune(forest, low);
     if (many <= most) return;
     double few = prune(forest, high);
@@ -403,14 +410,15 @@ static void take_depths(const Trees *t, const Node *n, int depth, MeshDepth *out
 static MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limits, Arena *arena) {
     Arena scratch = {0};
     int groups = group_count(field->mesh);
-    Forest forest = {.mesh = field->mesh, .groups = ARENA_ARRAY(&scratch, Trees, groups)};
+    Forest forest = {
+        .mesh = field->mesh, .groups = ARENA_ARRAY(&scratch, Trees, groups), .member = limits->member};
     for (int g = 0; g < groups; g++) forest.groups[g] = (Trees){.field = field, .limits = limits};
     each_group(&forest, plant);
     prune_to(&forest, limits->most);
     MeshDepth *depth = ARENA_ARRAY(arena, MeshDepth, field->mesh->element_count);
     for (int g = 0; g < groups; g++) {
         Trees *t = &forest.groups[g];
-        for (int r = 0; r < t->root_count; r++) take_depths(t, &t->nodes[t->roots[r]], 0, depth);
+        for (int r = 0; r < t->root_count; r++) take_depths(t, &t->nodes[root_of(t, r)], 0, depth);
         arena_free(&t->arena);
     }
     arena_free(&scratch);
@@ -471,6 +479,18 @@ typedef struct Adapt {
     double *exact;  // [element_count] the part of `lamps` that comes from lamps and the sun
 } Adapt;
 
+// Sums of a part of the building become those of the whole.
+static void add_parts(const Adapt *a, double *sum, int count) {
+    if (a->scene->member) team_sum(a->scene->member, sum, count);
+}
+
+// Where one part fails or is stopped, all are.
+static bool all_good(const Adapt *a, bool good, Error *error) {
+    if (!a->scene->member) return good;
+    bool any = team_any(a->scene->member, !good);
+    return good ? !any || error_set(error, "stopped") : false;
+}
+
 static double emission_of(const Mesh *mesh, int element) {
     Rgb e = mesh_material(mesh, mesh->elements[element].face)->emission;
     return (double)(e.r + e.g + e.b);
@@ -523,7 +543,11 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     int usual = form_factor_default_options().resolution, most = lamps_only ? usual : FIRST_RESOLUTION;
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;
-    bool good = rad_start_dark(mesh, &arena, &solution, error);
+    bool good = all_good(a, rad_start_dark(mesh, &arena, &solution, error), error);
+    if (good && a->scene->member) {
+        options.borders = borders_new(mesh, a->scene->member, &arena, error);
+        good = options.borders != NULL;
+    }
     if (good && daylight_shines(&a->options->day) &&
         !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, &a->options->day, a->progress,
                    &solution))
@@ -543,7 +567,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
 // ---- rounds
 
 static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
-    return mesh_build(a->scene->graph, a->scene->door_open, options, arena, out, error);
+    return all_good(a, mesh_build(a->scene->graph, a->scene->door_open, options, arena, out, error), error);
 }
 
 static bool is_outdoors(const Mesh *mesh, int element) {
@@ -557,9 +581,12 @@ static void find_dark(Adapt *a) {
     double power[2] = {0, 0}, area[2] = {0, 0};
     for (int e = 0; e < mesh->element_count; e++) {
         bool outdoors = is_outdoors(mesh, e);
+        if (!mesh_owns(mesh, mesh->elements[e].face)) continue;
         power[outdoors] += mesh->elements[e].area * a->indirect[e];
         area[outdoors] += mesh->elements[e].area;
     }
+    add_parts(a, power, 2);
+    add_parts(a, area, 2);
     for (int o = 0; o < 2; o++) a->dark[o] = area[o] > 0 ? SEEN * power[o] / area[o] : 0;
     a->dark[true] = fmax(a->dark[true], a->dark[false]);
 }
@@ -573,7 +600,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     rough.loose = true;
     if (!build_adapted(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
-    double power = 0, area = 0;
+    double sums[2] = {0, 0};
     a->lamps = ARENA_ARRAY(&a->scratch, double, count);
     a->exact = ARENA_ARRAY(&a->scratch, double, count);
     a->indirect = ARENA_ARRAY(&a->scratch, double, count);
@@ -582,11 +609,13 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
         return false;
     find_dark(a);
     for (int e = 0; e < count; e++) {
-        power += a->rough.elements[e].area * a->indirect[e] * reflectance_of(&a->rough, e);
-        area += a->rough.elements[e].area;
+        bool own = mesh_owns(&a->rough, a->rough.elements[e].face);
+        if (own) sums[0] += a->rough.elements[e].area * a->indirect[e] * reflectance_of(&a->rough, e);
+        if (own) sums[1] += a->rough.elements[e].area;
         a->indirect[e] = fmax(0, a->indirect[e] - a->lamps[e]);
     }
-    a->mean = power / area;
+    add_parts(a, sums, 2);
+    a->mean = sums[1] > 0 ? sums[0] / sums[1] : 0;
     a->indirect_field = adapt_field(&a->rough, a->indirect, &a->scratch);
     return true;
 }
@@ -656,7 +685,8 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
     AdaptLimits limits = {.most = last ? a->most : PILOT * a->most,
                           .smallest = a->options->smallest,
                           .deeper = SPLITS_A_ROUND,
-                          .halves = last};
+                          .halves = last,
+                          .member = a->scene->member};
     MeshDepth *element = adapt_depths(&field, &limits, &a->scratch);
     unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, mesh->element_count);
     const int *above = ABOVE[a->above];
@@ -672,9 +702,17 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
     return mesh_splits(mesh, patch, element, arena);
 }
 
+static double own_patches(const Adapt *a, const Mesh *mesh) {
+    double count = 0;
+    for (int p = 0; p < mesh->patch_count; p++) count += mesh_owns(mesh, mesh->patches[p].face);
+    add_parts(a, &count, 1);
+    return count;
+}
+
 static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     if (!first_solution(a, options, error)) return false;
     double even = mesh_count_even(&a->rough);
+    add_parts(a, &even, 1);
     a->most = fmax(a->options->share * even, a->options->few);
     a->patch_edge = even > a->options->few ? PATCH_EDGE : 1;
     const Mesh *mesh = &a->rough;
@@ -696,8 +734,9 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
     for (Arena own = {0};; a->above++) {
         finer.splits = split(a, mesh, true, &own);
         bool good = build_adapted(a, &finer, &own, out, error);
-        if (good && out->patch_count > MOST_PATCHES && a->above + 1 < ABOVE_COUNT) {
-            a->above += out->patch_count > FAR_TOO_MANY * MOST_PATCHES && a->above + 2 < ABOVE_COUNT;
+        double patches = good ? own_patches(a, out) : 0;
+        if (patches > MOST_PATCHES && a->above + 1 < ABOVE_COUNT) {
+            a->above += patches > FAR_TOO_MANY * MOST_PATCHES && a->above + 2 < ABOVE_COUNT;
             arena_free(&own);
             continue;
         }

@@ -19,6 +19,8 @@ typedef struct AdaptScene {
     const CellGraph *graph;
     const StabForest *forest;
     const float *door_open;
+    // The member that finds the light of a part of the building (MeshOptions.part); all members call adapt_mesh. NULL: the whole building.
+    TeamMember *member;
 } AdaptScene;
 
 // Makes a mesh with splits fitted to its light. `options` are the options of the mesh; their `splits` are found here.

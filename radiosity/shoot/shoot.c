@@ -103,6 +103,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
         double e[3];
+        if (!mesh_owns(mesh, patch->face)) continue;
         rgb_doubles(mesh_material(mesh, patch->face)->emission, e);
         for (int c = 0; c < 3; c++) {
             out->unshot[p][c] = e[c];
@@ -162,7 +163,8 @@ static double looks_of(Looks *l, int patch) {
 typedef struct Receiver {
     Four unshot;  // W/m^2
     float reflectance[3];
-    bool uneven;  // its elements differ in reflectance
+    bool uneven;   // its elements differ in reflectance
+    bool foreign;  // another part of the building shoots its light
     double area, per_area;
 } Receiver;
 
@@ -182,7 +184,8 @@ typedef struct Shooter {
     // [patch_count] of light that goes on: lamps that shoot again; NULL: light from nothing. Then powers in the queue are never less than
     // the absolute unshot power, and `left` is the sum of that, W.
     const bool *again;
-    double left;
+    // Or of a part of a building: then `left` is of this part, and `residual` of all of them, as they knew it last.
+    double left, residual;
 } Shooter;
 
 // Computed from the solution alone, however it came about: a run that is resumed goes on just so.
@@ -191,17 +194,22 @@ static double unshot_power(const Receiver *r) {
 }
 
 // Patches shoot what they reflect, from now on.
+static void queue_unshot(Shooter *s, const Mesh *mesh) {
+    s->left = 0;
+    for (int p = 0; p < mesh->patch_count; p++) {
+        if (s->receivers[p].foreign) continue;
+        double power = unshot_power(&s->receivers[p]);
+        shoot_queue_raise(&s->queue, p, power);
+        s->left += power;
+    }
+}
+
 static void queue_reflected(Shooter *s, const Mesh *mesh) {
     if (s->options->lamps_only) return;
     shoot_elements_finish(s->elements);
     shoot_elements_store(s->elements, s->solution);
     if (!shoot_rows_settled(s->rows)) shoot_rows_find_strong(s->rows, s->solution);
-    s->left = 0;
-    for (int p = 0; p < mesh->patch_count; p++) {
-        double power = unshot_power(&s->receivers[p]);
-        shoot_queue_raise(&s->queue, p, power);
-        s->left += power;
-    }
+    queue_unshot(s, mesh);
 }
 
 // A solution that was broken off while lamps shot goes on with the next lamp.
@@ -209,13 +217,13 @@ static void queue_lamps(Shooter *s, const Mesh *mesh) {
     for (int p = 0; p < mesh->patch_count; p++) {
         double e[3];
         rgb_doubles(mesh_material(mesh, mesh->patches[p].face)->emission, e);
-        if (rgb_sum(e) <= 0 || (s->again && !s->again[p])) continue;
+        if (rgb_sum(e) <= 0 || (s->again && !s->again[p]) || s->receivers[p].foreign) continue;
         shoot_queue_raise(&s->queue, p, rgb_sum(e) * mesh->patches[p].area);
         s->lamps_left++;
     }
     for (long long i = 0; !s->again && i < s->solution->shots && s->lamps_left > 0; i++, s->lamps_left--)
         shoot_queue_clear(&s->queue, shoot_queue_top(&s->queue));
-    if (s->lamps_left == 0) queue_reflected(s, mesh);
+    if (s->lamps_left == 0 && !s->options->borders) queue_reflected(s, mesh);
 }
 
 static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -236,6 +244,7 @@ static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest
         s->receivers[p] = (Receiver){.unshot = channels_of(solution->unshot[p]),
                                      .reflectance = {rho.r, rho.g, rho.b},
                                      .uneven = mesh_has_picture(mesh, patch->face),
+                                     .foreign = !mesh_owns(mesh, patch->face),
                                      .area = patch->area,
                                      .per_area = 1 / patch->area};
     }
@@ -293,23 +302,25 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
             power * (to->uneven ? run_reflectance(mesh, row, r, at) : channels_of_floats(to->reflectance));
         if (mesh->reflectance) at += row->count[r] + 1;
         double share = (double)run->share;
-        if (s->again) s->left -= unshot_power(to);
+        const bool counts = (s->again || s->options->borders) && !to->foreign;
+        if (counts) s->left -= unshot_power(to);
         to->unshot += reflected * four_of(share * to->per_area);
         absorbed += (power - reflected) * four_of(share);
-        if (direct) continue;
+        if (direct || to->foreign) continue;
         double now = unshot_power(to);
-        if (s->again) s->left += now;
+        if (counts) s->left += now;
         if (!s->again || now > s->queue.power[run->patch]) shoot_queue_raise(&s->queue, run->patch, now);
     }
     s->absorbed += absorbed;
     s->escaped += power * four_of(row->escaped);
     s->solution->shots++;
-    if (direct && --s->lamps_left == 0) queue_reflected(s, mesh);
+    if (direct && --s->lamps_left == 0 && !s->options->borders) queue_reflected(s, mesh);
 }
 
 // Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
 // what is indoors.
 static double residual_of(const Shooter *s) {
+    if (s->options->borders) return s->residual;
     double emitted = rgb_sum(s->solution->emitted), outdoors = rgb_sum(s->solution->outdoors), gone[3];
     if (s->again && s->lamps_left > 0) return INFINITY;
     if (s->again) return fmax(s->left, 0) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
@@ -434,18 +445,22 @@ static void send_strong(Shooter *s, const Mesh *mesh) {
     RadSolution *out = s->solution;
     memcpy(out->strong, shoot_rows_strong(s->rows), (size_t)mesh->patch_count * sizeof *out->strong);
     memset(out->sent, 0, (size_t)mesh->patch_count * sizeof *out->sent);
+    if (s->options->borders)
+        borders_fetch(s->options->borders, BORDER_PATCH, out->strong, sizeof *out->strong);
     for (int p = 0; p < mesh->patch_count; p++) {
-        if (!out->strong[p]) continue;
+        if (!out->strong[p] || s->receivers[p].foreign) continue;
         if (!shoot_rows_of(s->rows, p)) {
             // Its neighbours' rows are made with it.
             int count = 0, most = (int)shoot_rows_wanted(s->rows);
             for (int q = p; q < mesh->patch_count && count < most; q++)
-                if (out->strong[q] && !shoot_rows_of(s->rows, q)) s->next[count++] = q;
+                if (out->strong[q] && !s->receivers[q].foreign && !shoot_rows_of(s->rows, q))
+                    s->next[count++] = q;
             shoot_rows_make(s->rows, s->next, count);
         }
         send(mesh, out, p, shoot_rows_of(s->rows, p));
         shoot_rows_shot(s->rows, p);
     }
+    if (s->options->borders) borders_bring(s->options->borders, BORDER_PATCH, out->sent);
 }
 
 static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
@@ -505,6 +520,13 @@ static bool is_rounding(const RadSolution *s, double area, const double irradian
     return rgb_sum(irradiance) * area < ROUNDING * rgb_sum(s->emitted);
 }
 
+static void fetch_gathered(const Borders *borders, RadSolution *s) {
+    borders_fetch(borders, BORDER_PATCH, s->reflected, sizeof *s->reflected);
+    borders_fetch(borders, BORDER_PATCH, s->sent, sizeof *s->sent);
+    borders_fetch(borders, BORDER_PATCH, s->close, sizeof *s->close);
+    borders_fetch(borders, BORDER_PATCH, s->noise, sizeof *s->noise);
+}
+
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int resolution = s->options->form_factor.resolution, count = 0, noisy = 0;
@@ -529,7 +551,10 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     }
     if (rgb_sum(day->beam) > 0)
         sunlight_elements(mesh, day, parallel_threads(s->options->threads), s->solution->sun);
+    if (s->options->borders)
+        borders_fetch(s->options->borders, BORDER_ELEMENT, s->solution->sun, sizeof *s->solution->sun);
     for (int p = 0; p < mesh->patch_count; p++) {
+        if (s->receivers[p].foreign) continue;
         // Those to which no light was shot are covered, or in rooms without light.
         take_shot(mesh, s->solution, p, s->solution->reflected[p]);
         if (s->again && is_rounding(s->solution, mesh->patches[p].area, s->solution->reflected[p]))
@@ -551,6 +576,10 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     noisy = left;
     for (int i = 0; i < noisy; i++) shoot_rows_refine(s->rows, patch[i]);
     go_on = go_on && gather_patches(s, &g, patch, noisy, progress);
+    if (s->options->borders) {
+        go_on = !team_any(borders_member(s->options->borders), !go_on);
+        fetch_gathered(s->options->borders, s->solution);
+    }
     if (go_on) shoot_rows_settle(s->rows);
     arena_free(&arena);
     return go_on;
@@ -568,9 +597,109 @@ static int strongest(Shooter *s) {
     }
 }
 
+// ---- light of parts of a building
+
+// In a round each part shoots its patches that have at least this share of the strongest one's power, of all parts: so they shoot about in
+// the order in which they would if they were one.
+static const double ROUND = 0.25;
+
+// Light that went to faces of others goes to those who shoot it.
+static void bring(Shooter *s) {
+    const Borders *borders = s->options->borders;
+    RadSolution *out = s->solution;
+    finish(s);
+    borders_bring(borders, BORDER_ELEMENT, out->radiosity);
+    borders_bring(borders, BORDER_ELEMENT, out->direct);
+    borders_bring(borders, BORDER_PATCH, out->unshot);
+    shoot_elements_load(s->elements, out);
+    for (int p = 0; p < out->patch_count; p++) s->receivers[p].unshot = channels_of(out->unshot[p]);
+}
+
+// The share of the light of all parts that is left, and the power of the strongest patch of all of them, W.
+static double share_left(Shooter *s, double emitted, double outdoors, double *strongest) {
+    TeamMember *member = borders_member(s->options->borders);
+    int patch = shoot_queue_top(&s->queue);
+    double left = s->left;
+    *strongest = patch < 0 ? 0 : s->queue.power[patch];
+    team_sum(member, &left, 1);
+    team_most(member, strongest, 1);
+    return left / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
+}
+
+static void shoot_next(Shooter *s, const Mesh *mesh, int patch) {
+    shoot(s, mesh, patch, row_of(s, patch));
+    shoot_rows_shot(s->rows, patch);
+}
+
+// Returns whether progress asked to stop.
+static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) {
+    TeamMember *member = borders_member(s->options->borders);
+    double sums[2] = {rgb_sum(s->solution->emitted), rgb_sum(s->solution->outdoors)}, most;
+    team_sum(member, sums, 2);
+    s->residual = 1;
+    while (s->lamps_left > 0) {
+        int patch = shoot_queue_top(&s->queue);
+        if (s->options->looks > 0 && (s->looks.spent += looks_of(&s->looks, patch)) > s->options->looks)
+            break;
+        shoot_next(s, mesh, patch);
+    }
+    s->lamps_left = 0;
+    bring(s);
+    queue_reflected(s, mesh);
+    if (s->options->lamps_only) return false;
+    for (bool stopped = false;;) {
+        s->residual = share_left(s, sums[0], sums[1], &most);
+        stopped = team_any(member, !report_residual(s, progress));
+        if (stopped || s->residual <= s->options->residual || !(most > 0)) return stopped;
+        double least = ROUND * most, goal = s->left * s->options->residual / s->residual;
+        int patch;
+        while ((patch = shoot_queue_top(&s->queue)) >= 0 && s->queue.power[patch] >= least &&
+               s->left > goal) {
+            if (s->options->looks > 0 && s->looks.spent > s->options->looks) break;
+            if (s->options->looks > 0) s->looks.spent += looks_of(&s->looks, patch);
+            shoot_next(s, mesh, patch);
+        }
+        bool over = s->options->looks > 0 && s->looks.spent > s->options->looks;
+        bring(s);
+        queue_unshot(s, mesh);
+        if (s->options->looks > 0 && team_any(member, over)) return false;
+    }
+}
+
+// Sums are of all parts, and faces of others have the light that their owners found.
+static void share_light(const Borders *borders, RadSolution *s) {
+    double sums[13], *of[4] = {s->emitted, s->absorbed, s->escaped, s->outdoors};
+    for (int i = 0; i < 12; i++) sums[i] = of[i / 3][i % 3];
+    sums[12] = (double)s->shots;
+    team_sum(borders_member(borders), sums, 13);
+    for (int i = 0; i < 12; i++) of[i / 3][i % 3] = sums[i];
+    s->shots = (long long)sums[12];
+    borders_fetch(borders, BORDER_ELEMENT, s->radiosity, sizeof *s->radiosity);
+    borders_fetch(borders, BORDER_ELEMENT, s->direct, sizeof *s->direct);
+    borders_fetch(borders, BORDER_ELEMENT, s->daylight, sizeof *s->daylight);
+    borders_fetch(borders, BORDER_PATCH, s->unshot, sizeof *s->unshot);
+}
+
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution) {
     return rad_shoot_on(mesh, forest, door_open, options, NULL, progress, solution);
+}
+
+// Returns whether progress asked to stop.
+static bool shoot_whole(Shooter *s, const Mesh *mesh, long long first, const Progress *progress) {
+    const RadOptions *options = s->options;
+    while (residual_of(s) > options->residual) {
+        if (options->shots > 0 && s->solution->shots >= options->shots) break;
+        if ((s->solution->shots - first) % SHOTS_A_LOOK == 0) {
+            if (!report_residual(s, progress)) return true;
+            show_solution(s);
+        }
+        int patch = strongest(s);
+        if (patch < 0) break;
+        if (options->looks > 0 && (s->looks.spent += looks_of(&s->looks, patch)) > options->looks) break;
+        shoot_next(s, mesh, patch);
+    }
+    return false;
 }
 
 RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -581,20 +710,10 @@ RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *
     RadReport report = {0};
     start_shooter(&s, mesh, forest, door_open, options, again, solution, &arena);
     long long first = solution->shots;
-    while (residual_of(&s) > options->residual) {
-        if (options->shots > 0 && solution->shots >= options->shots) break;
-        if ((solution->shots - first) % SHOTS_A_LOOK == 0) {
-            report.stopped = !report_residual(&s, progress);
-            if (report.stopped) break;
-            show_solution(&s);
-        }
-        int patch = strongest(&s);
-        if (patch < 0) break;
-        if (options->looks > 0 && (s.looks.spent += looks_of(&s.looks, patch)) > options->looks) break;
-        shoot(&s, mesh, patch, row_of(&s, patch));
-        shoot_rows_shot(s.rows, patch);
-    }
+    report.stopped =
+        options->borders ? shoot_parts(&s, mesh, progress) : shoot_whole(&s, mesh, first, progress);
     finish(&s);
+    if (options->borders) share_light(options->borders, solution);
     report.residual = fmax(0, residual_of(&s));  // rounding takes it below 0 where all light is absorbed
     if (options->gather && !options->lamps_only && report.residual <= options->residual) {
         solution->gathered = gather_reflected(&s, mesh, progress);

@@ -8,6 +8,7 @@
 #include "engine/core/progress.h"
 #include "radiosity/daylight/daylight.h"
 #include "radiosity/factors/form_factor.h"
+#include "radiosity/mesh/borders.h"
 #include "radiosity/shoot/lamp_light.h"
 
 typedef struct RadSolution RadSolution;
@@ -33,6 +34,10 @@ typedef struct RadOptions {
     // The rows of this mesh, the caller's, who goes on with them: the next light is shot along the same rows. NULL: rad_shoot makes its
     // own. Once light was gathered along them it is known which patches are strong, and which are noisy.
     ShootRows *rows;
+    // The mesh is that of a part of the building (MeshOptions.part): light of all parts is found side by side, each by a member of a team.
+    // Sums of power, and what was stopped, are those of all. Then neither `shots` nor `show` is asked. NULL: the mesh is that of the whole
+    // building.
+    const Borders *borders;
     // Called with the solution so far, between shots, by the thread that shoots, whenever `show_due` returns true; NULL: never.
     void (*show)(void *context, const RadSolution *so_far);
     bool (*show_due)(void *context);

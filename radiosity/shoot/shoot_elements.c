@@ -121,15 +121,19 @@ static void hand_over(ShootElements *e) {
     pthread_mutex_unlock(&e->mutex);
 }
 
+void shoot_elements_load(ShootElements *e, const RadSolution *solution) {
+    for (int i = 0; i < e->element_count; i++) {
+        e->radiosity[i] = channels_of(solution->radiosity[i]);
+        e->direct[i] = channels_of(solution->direct[i]);
+    }
+}
+
 ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution, int threads, Arena *arena) {
     ShootElements *e = ARENA_ARRAY(arena, ShootElements, 1);
     e->element_count = mesh->element_count;
     e->radiosity = ARENA_ARRAY(arena, Four, mesh->element_count);
     e->direct = ARENA_ARRAY(arena, Four, mesh->element_count);
-    for (int i = 0; i < mesh->element_count; i++) {
-        e->radiosity[i] = channels_of(solution->radiosity[i]);
-        e->direct[i] = channels_of(solution->direct[i]);
-    }
+    shoot_elements_load(e, solution);
     e->reflectors = ARENA_ARRAY(arena, Reflector, mesh->patch_count);
     for (int p = 0; p < mesh->patch_count; p++) {
         Rgb rho = mesh_patch_reflectance(mesh, p);

@@ -29,6 +29,8 @@ void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power, bool
 void shoot_elements_finish(ShootElements *e);
 // Stores the radiosities of a solution, and those that are direct. Call shoot_elements_finish first.
 void shoot_elements_store(const ShootElements *e, RadSolution *solution);
+// Goes on from the radiosities of a solution. Call shoot_elements_finish first.
+void shoot_elements_load(ShootElements *e, const RadSolution *solution);
 void shoot_elements_end(ShootElements *e);
 
 #endif

@@ -83,9 +83,12 @@ struct ShootRows {
 
 // A lamp's light is not one of many as the light of walls is: its samples err alone. Where lamps are very many, they are.
 static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
-    int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
-    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_is_lamp(mesh, mesh->patches[p].face);
-    while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
+    double lamps = 0;
+    int detail = options->lamp_detail, resolution = options->form_factor.resolution;
+    for (int p = 0; p < mesh->patch_count; p++)
+        lamps += mesh_is_lamp(mesh, mesh->patches[p].face) && mesh_owns(mesh, mesh->patches[p].face);
+    if (options->borders) team_sum(borders_member(options->borders), &lamps, 1);
+    while (detail > 1 && lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
     while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
     return detail > 1 ? resolution * detail : resolution;
 }
@@ -337,43 +340,67 @@ static const double STRONG = 6;
 // A cell in which less light falls than this share of the mean counts as one with so much.
 static const double DIM = 0.05;
 
-typedef struct Strength {
-    double times;
-    int patch;
-} Strength;
+// Light and area of the patches in front of each cell, the last of those in none; and of all.
+typedef struct CellLight {
+    double *light, *area, all[2];
+} CellLight;
 
-static int strongest_first(const void *a, const void *b) {
-    const Strength *p = a, *q = b;
-    return p->times != q->times ? (p->times > q->times ? -1 : 1) : p->patch - q->patch;
+static CellLight light_of_cells(const ShootRows *rows, const double *power, Arena *arena) {
+    const Mesh *mesh = rows->mesh;
+    int cells = mesh->graph->cell_count;
+    CellLight out = {ARENA_ARRAY(arena, double, cells + 1), ARENA_ARRAY(arena, double, cells + 1), {0, 0}};
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        bool own = mesh_owns(mesh, patch->face);
+        // Those in a cell of this part are all in its mesh.
+        if (!own && patch->cell < 0) continue;
+        int cell = patch->cell < 0 ? cells : patch->cell;
+        out.light[cell] += power[p];
+        out.area[cell] += patch->area;
+        if (own) out.all[0] += power[p], out.all[1] += patch->area;
+    }
+    if (rows->options->borders) {
+        double sums[4] = {out.all[0], out.all[1], out.light[cells], out.area[cells]};
+        team_sum(borders_member(rows->options->borders), sums, 4);
+        out.all[0] = sums[0], out.all[1] = sums[1];
+        out.light[cells] = sums[2], out.area[cells] = sums[3];
+    }
+    return out;
 }
 
 void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
     const Mesh *mesh = rows->mesh;
+    const Borders *borders = rows->options->borders;
     Arena scratch = {0};
-    int cells = mesh->graph->cell_count, count = mesh->patch_count;
-    Strength *strength = ARENA_ARRAY(&scratch, Strength, count + 1);
-    double *light = ARENA_ARRAY(&scratch, double, cells + 1),
-           *area = ARENA_ARRAY(&scratch, double, cells + 1);
-    double all = 0, all_area = 0;
+    int cells = mesh->graph->cell_count, count = mesh->patch_count, strong = 0;
+    double *power = ARENA_ARRAY(&scratch, double, count + 1),
+           *times = ARENA_ARRAY(&scratch, double, count + 1),
+           *list = ARENA_ARRAY(&scratch, double, count + 1), patches = 0;
+    for (int p = 0; p < count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        if (!mesh_owns(mesh, patch->face)) continue;
+        patches++;
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
+            power[p] +=
+                (rgb_sum(solution->direct[e]) + rgb_sum(solution->daylight[e])) * mesh->elements[e].area;
+    }
+    if (borders) {
+        borders_fetch(borders, BORDER_PATCH, power, sizeof *power);
+        team_sum(borders_member(borders), &patches, 1);
+    }
+    CellLight cell_light = light_of_cells(rows, power, &scratch);
     for (int p = 0; p < count; p++) {
         const Patch *patch = &mesh->patches[p];
         int cell = patch->cell < 0 ? cells : patch->cell;
-        double power = 0;
-        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-            power += (rgb_sum(solution->direct[e]) + rgb_sum(solution->daylight[e])) * mesh->elements[e].area;
-        strength[p] = (Strength){power / patch->area, p};
-        light[cell] += power, all += power;
-        area[cell] += patch->area, all_area += patch->area;
+        if (!mesh_owns(mesh, patch->face) || mesh_is_lamp(mesh, patch->face)) continue;
+        double mean =
+            fmax(cell_light.light[cell] / cell_light.area[cell], DIM * cell_light.all[0] / cell_light.all[1]);
+        times[p] = mean > 0 ? power[p] / patch->area / mean : 0;
+        if (times[p] > STRONG) list[strong++] = times[p];
     }
-    for (int p = 0; p < count; p++) {
-        int cell = mesh->patches[p].cell < 0 ? cells : mesh->patches[p].cell;
-        double mean = fmax(light[cell] / area[cell], DIM * all / all_area);
-        strength[p].times =
-            mean > 0 && !mesh_is_lamp(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
-    }
-    qsort(strength, (size_t)count, sizeof *strength, strongest_first);
-    for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++)
-        rows->strong[strength[i].patch] = rows->fine[strength[i].patch] = true;
+    double least = borders_least(borders, list, strong, MOST_STRONG * patches);
+    for (int p = 0; p < count; p++)
+        if (times[p] > STRONG && times[p] >= least) rows->strong[p] = rows->fine[p] = true;
     arena_free(&scratch);
 }
 

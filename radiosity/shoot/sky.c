@@ -106,7 +106,10 @@ static void cut_opening(SkyOpenings *out, int opening, double size, Arena *arena
     }
 }
 
-static SkyOpenings sky_openings(const CellGraph *graph, Arena *arena) {
+// All openings; of pieces those whose light this part of the building sends in.
+static SkyOpenings sky_openings(const Mesh *mesh, Arena *arena) {
+    const CellGraph *graph = mesh->graph;
+    const MeshPart *part = mesh->options.part;
     SkyOpenings out = {.openings = ARENA_ARRAY(arena, SkyOpening, graph->portal_count + 1)};
     double area = 0;
     int capacity = 0;
@@ -123,7 +126,9 @@ static SkyOpenings sky_openings(const CellGraph *graph, Arena *arena) {
             (SkyOpening){portal->cell[first], portal->cell[!first], plane, vertices, portal->vertex_count};
     }
     double size = fmax(PIECE, sqrt(area / MOST_PIECES));
-    for (int o = 0; o < out.count; o++) cut_opening(&out, o, size, arena, &capacity);
+    for (int o = 0; o < out.count; o++)
+        if (!part || part->cell_owner[out.openings[o].inside] == part->own)
+            cut_opening(&out, o, size, arena, &capacity);
     return out;
 }
 
@@ -382,6 +387,7 @@ static void look_from_patch(void *context, int index, int thread) {
     Vec3 n = s->mesh->faces[patch->face].plane.n;
     Watcher *w = &s->watchers[thread];
     Seen seen = {0};
+    if (!mesh_owns(s->mesh, patch->face)) return;
     bool open = patch->cell >= 0 && sky_is_outdoors(s->mesh->graph, patch->cell);
     if (open) {
         seen = look_up(s, w, patch->centre, n, patch->cell);
@@ -565,13 +571,18 @@ static bool shine_sun(Shine *s, int threads, const Progress *progress, RadSoluti
     sunlight_shares(mesh, day->sun, s->options->culling != CULL_NONE, threads, share);
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
-        if (!(share[e] > 0)) continue;
+        if (!(share[e] > 0) || !mesh_owns(mesh, element->face)) continue;
         double power = share[e] * element->area * vec3_dot(mesh->faces[element->face].plane.n, day->sun);
         receive(mesh, e, power, day->beam, solution);
         for (int c = 0; c < 3 && s->looks[e]; c++) solution->outdoors[c] += power * day->beam[c];
     }
     arena_free(&arena);
     return true;
+}
+
+// Where one part of a building is stopped, all are.
+static bool all_go_on(const RadOptions *options, bool good) {
+    return options->borders ? !team_any(borders_member(options->borders), !good) : good;
 }
 
 bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
@@ -586,15 +597,21 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     s->day = day;
     daylight_below(day, s->below);
     s->ground = rgb_sum(s->below) > 0;
-    s->openings = sky_openings(mesh->graph, &arena);
+    s->openings = sky_openings(mesh, &arena);
     s->lines = lines_of_mesh(mesh, &arena);
     s->looks = ARENA_ARRAY(&arena, bool, mesh->element_count);
     s->seen = ARENA_ARRAY(&arena, Seen, mesh->element_count);
     s->watchers = ARENA_ARRAY(&arena, Watcher, threads);
     for (int t = 0; t < threads; t++) make_watcher(s, door_open, &s->watchers[t]);
     s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
-    bool good = shine_outdoors(s, threads, progress, solution) && shine_sun(s, threads, progress, solution) &&
-                shine_in(s, threads, progress, solution);
+    bool good = all_go_on(options, shine_outdoors(s, threads, progress, solution));
+    if (good && options->borders) borders_fetch(options->borders, BORDER_ELEMENT, s->looks, sizeof *s->looks);
+    good = good && all_go_on(options, shine_sun(s, threads, progress, solution)) &&
+           all_go_on(options, shine_in(s, threads, progress, solution));
+    if (good && options->borders) {
+        borders_bring(options->borders, BORDER_ELEMENT, solution->radiosity);
+        borders_bring(options->borders, BORDER_PATCH, solution->unshot);
+    }
     solution->day = *day;
     for (int p = 0; p < mesh->patch_count; p++) {
         double emitted[3];
@@ -603,6 +620,8 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
             for (int c = 0; c < 3; c++)
                 solution->daylight[e][c] = fmax(solution->radiosity[e][c] - emitted[c], 0);
     }
+    if (good && options->borders)
+        borders_fetch(options->borders, BORDER_ELEMENT, solution->daylight, sizeof *solution->daylight);
     for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
     arena_free(&arena);

@@ -318,25 +318,21 @@ static void list_errors(const Bend *bend, double *errors, int *count) {
     list_errors(bend->next, errors, count);
 }
 
-static int largest_first(const void *a, const void *b) {
-    const double *p = a, *q = b;
-    return (*p < *q) - (*p > *q);
-}
-
 MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, const MeshDepth *halved, double most,
-                        Arena *arena) {
+                        const Borders *borders, Arena *arena) {
     Arena scratch = {0};
     Wants wants = {.bends = bends, .halved = halved};
-    int count = 0, listed = 0;
+    int own = 0, listed = 0;
     bool any = false;
-    for (int e = 0; e < mesh->element_count && halved; e++) any = any || halved[e].x + halved[e].y > 0;
-    for (int e = 0; e < mesh->element_count; e++) list_errors(bends[e], NULL, &count);
-    double *errors = ARENA_ARRAY(&scratch, double, count + 1);
-    for (int e = 0; e < mesh->element_count; e++) list_errors(bends[e], errors, &listed);
-    if (count > most) {
-        qsort(errors, (size_t)count, sizeof *errors, largest_first);
-        wants.least = errors[(int)most];
-    }
+    for (int e = 0; e < mesh->element_count && !any; e++)
+        any = bends[e] || (halved && halved[e].x + halved[e].y > 0);
+    for (int e = 0; e < mesh->element_count; e++)
+        if (mesh_owns(mesh, mesh->elements[e].face)) list_errors(bends[e], NULL, &own);
+    double *errors = ARENA_ARRAY(&scratch, double, own + 1), count = own;
+    for (int e = 0; e < mesh->element_count; e++)
+        if (mesh_owns(mesh, mesh->elements[e].face)) list_errors(bends[e], errors, &listed);
+    if (borders) team_sum(borders_member(borders), &count, 1);
+    if (count > most) wants.least = borders_least(borders, errors, own, floor(most) + 1);
     arena_free(&scratch);
-    return count > 0 || any ? mesh_splits_wanted(mesh, want, &wants, arena) : NULL;
+    return any ? mesh_splits_wanted(mesh, want, &wants, arena) : NULL;
 }

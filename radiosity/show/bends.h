@@ -3,7 +3,7 @@
 #ifndef RADIOSITY_BENDS_H
 #define RADIOSITY_BENDS_H
 
-#include "radiosity/mesh/mesh.h"
+#include "radiosity/mesh/borders.h"
 
 // An element that is halved, or a part of it.
 typedef struct Bend Bend;
@@ -47,7 +47,8 @@ Bend *bend_join(Bend *bend, const Bend *other, Arena *arena);
 // Splits of a finer mesh: as deep as the elements of the mesh, as their bends [element_count] ask for, and halved so often as `halved`
 // [element_count] says (NULL: not at all). Where bends would take more than `most` further elements, those that are least off are left
 // out. NULL: nothing bends or is halved.
+// `borders`: of a part of a building, and `most` are those of all parts; or NULL.
 MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, const MeshDepth *halved, double most,
-                        Arena *arena);
+                        const Borders *borders, Arena *arena);
 
 #endif

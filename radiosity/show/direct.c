@@ -58,18 +58,37 @@ static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bo
 
 // The light on each element against which bends of direct light are seen, the sum of the channels, W/m^2.
 static double *light_besides(const Mesh *mesh, const RadSolution *rest, const RadSolution *whole,
-                             Arena *arena) {
-    double *out = ARENA_ARRAY(arena, double, mesh->element_count + 1), power = 0, area = 0;
+                             const Borders *borders, Arena *arena) {
+    double *out = ARENA_ARRAY(arena, double, mesh->element_count + 1), sums[2] = {0, 0};
     RadSolution even_rest = reconstruct_even(mesh, rest, arena), even = reconstruct_even(mesh, whole, arena);
     for (int e = 0; e < mesh->element_count; e++) {
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
         out[e] = fmax(rgb_sum(even_rest.radiosity[e]) - rgb_sum(emitted), 0);
-        power += mesh->elements[e].area * (out[e] + rgb_sum(even.direct[e]));
-        area += mesh->elements[e].area;
+        if (!mesh_owns(mesh, mesh->elements[e].face)) continue;
+        sums[0] += mesh->elements[e].area * (out[e] + rgb_sum(even.direct[e]));
+        sums[1] += mesh->elements[e].area;
     }
-    for (int e = 0; e < mesh->element_count; e++) out[e] += DARK * power / area;
+    if (borders) team_sum(borders_member(borders), sums, 2);
+    for (int e = 0; e < mesh->element_count; e++) out[e] += DARK * sums[0] / sums[1];
     return out;
+}
+
+// On the mesh of a part of a building only patches that share nodes with its own faces are lit.
+static void settle_others(Direct *d) {
+    const Mesh *mesh = d->mesh;
+    Arena scratch = {0};
+    bool *lit = ARENA_ARRAY(&scratch, bool, mesh->patch_count + 1);
+    for (int n = 0; n < d->nodes->count; n++) {
+        bool own = false;
+        const int *first = d->nodes->element + d->nodes->first[n],
+                  *end = d->nodes->element + d->nodes->first[n + 1];
+        for (const int *e = first; e < end; e++) own = own || mesh_owns(mesh, mesh->elements[*e].face);
+        for (const int *e = first; e < end && own; e++) lit[mesh->elements[*e].patch] = true;
+    }
+    if (!d->settled) d->settled = ARENA_ARRAY(&d->arena, bool, mesh->patch_count + 1);
+    for (int p = 0; p < mesh->patch_count; p++) d->settled[p] = d->settled[p] || !lit[p];
+    arena_free(&scratch);
 }
 
 // Takes over the light of points that is known within elements of the coarser mesh. `by`: what sources give at its nodes, or NULL. Tells
@@ -145,6 +164,7 @@ typedef struct Showing {
     int threads;
     const Progress *progress;
     DirectSources *sources;  // or NULL
+    const Borders *borders;  // or NULL
 } Showing;
 
 // The light that each source gives straight to what is shown, as one pass over the lamps of all has found it; and all that the light of
@@ -311,6 +331,11 @@ static void sources_at_nodes(const DirectSources *s, double (*share)[3], double 
     arena_free(&scratch);
 }
 
+// Where one part of the building is stopped, all are.
+static bool all_good(const Borders *borders, bool good) {
+    return borders ? !team_any(borders_member(borders), !good) : good;
+}
+
 // Adds up all light at the nodes of the mesh that shows it, to the light straight from lamps and sun there.
 static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[3], Arena *arena,
                         RadSolution *out) {
@@ -320,8 +345,12 @@ static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[
     bool good = true;
     if (s->rest->gathered) {
         GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
-        good = reflected_nodes(&scene, s->halved, shown, nodes, s->threads,
-                               s->sources ? &s->sources->parts : NULL, s->progress, reflected);
+        Error error;
+        const Borders *borders = s->borders;
+        if (borders && shown != mesh) borders = borders_new(shown, borders_member(borders), &scratch, &error);
+        good = (borders || !s->borders) &&
+               reflected_nodes(&scene, s->halved, shown, nodes, s->threads,
+                               s->sources ? &s->sources->parts : NULL, borders, s->progress, reflected);
     }
     if (good) {
         out->node_count = nodes->count;
@@ -378,6 +407,7 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
             sources->way =
                 arena_alloc(&sources->arena, (size_t)shown->corner_count + 1, sizeof *sources->way);
         take_known(&finer, d, at_node, by, sources ? sources->way : NULL);
+        if (s->borders) settle_others(&finer);
         good = direct_light(&finer, s->threads, s->progress, irradiance, report);
         if (good && sources) {
             by = arena_alloc(&sources->arena, (size_t)finer_nodes.count + 1, sizeof *by);
@@ -396,6 +426,7 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
         sources->besides = ARENA_ARRAY(&sources->arena, float, shown->element_count + 1);
         sources->middle = arena_alloc(&sources->arena, (size_t)shown->element_count + 1, sizeof *by);
     }
+    good = all_good(s->borders, good);
     if (good) lift_nodes(d, shown, nodes, at_node, sources);
     direct_end(d);
     good = good && store_nodes(s, nodes, at_node, arena, out);
@@ -436,14 +467,20 @@ static bool find_bends_of_doors(Direct *d, const Showing *show, Arena *arena) {
     return go_on;
 }
 
+// Splits of the mesh that shows the light of a part of a building, NULL: it is as fine as the mesh of the elements in all parts.
+static MeshSplits *splits_of_parts(const Borders *borders, const Mesh *mesh, MeshSplits *own, Arena *arena) {
+    if (!team_any(borders_member(borders), own != NULL)) return NULL;
+    return borders_splits(borders, own ? own : mesh->options.splits, arena);
+}
+
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report) {
-    return direct_show_apart(mesh, forest, door_open, threads, progress, arena, solution, NULL, report);
+    return direct_show_apart(mesh, forest, door_open, threads, progress, arena, solution, NULL, NULL, report);
 }
 
 bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                        const Progress *progress, Arena *arena, RadSolution *solution, DirectSources *sources,
-                       RadReport *report) {
+                       const Borders *borders, RadReport *report) {
     Arena scratch = {0}, *lasting = sources ? &sources->arena : &scratch;
     Direct d;
     Error error;
@@ -453,7 +490,13 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
     if (!report) report = &work;
     direct_start(&d, mesh, forest, &nodes, &solution->day, &scratch);
     tell_sources_apart(&d, sources);
-    d.lamps = d.lamp_count > 0 && direct_pairs(&d) <= DIRECT_MOST_PAIRS;
+    double counts[3] = {d.lamp_count, direct_pairs(&d), 0};
+    for (int e = 0; e < mesh->element_count; e++) counts[2] += mesh_owns(mesh, mesh->elements[e].face);
+    if (borders) {
+        team_sum(borders_member(borders), counts, 3);
+        settle_others(&d);
+    }
+    d.lamps = counts[0] > 0 && counts[1] <= DIRECT_MOST_PAIRS;
     if (d.lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
         if (d.sun) {
@@ -472,21 +515,24 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
                         .lamps = d.lamps,
                         .threads = threads,
                         .progress = progress,
-                        .sources = sources};
-        d.besides = light_besides(mesh, &rest, solution, &scratch);
+                        .sources = sources,
+                        .borders = borders};
+        d.besides = light_besides(mesh, &rest, solution, borders, &scratch);
         d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
         d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
-        good = direct_light(&d, threads, progress, at_node, report);
+        good = all_good(borders, direct_light(&d, threads, progress, at_node, report));
         if (good) {
-            double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
+            double most = MOST_ADDED * counts[2] + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (sources && sources->state_count > 0) most *= DOORS_ADD;
             if (solution->gathered && mesh->options.splits)
-                show.halved = reflected_depths(mesh, &nodes, solution, lasting);
+                show.halved = reflected_depths(mesh, &nodes, solution, borders, lasting);
             good = find_bends_of_doors(&d, &show, &scratch);
-            splits = good ? bend_splits(mesh, d.bends, show.halved, most, arena) : NULL;
+            splits = good ? bend_splits(mesh, d.bends, show.halved, most, borders, arena) : NULL;
+            if (borders) splits = splits_of_parts(borders, mesh, splits, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, lasting, finer, &error);
+        good = all_good(borders, good && (!borders || is_finer == (splits != NULL)));
         out.shown = is_finer ? splits : NULL;
         show.shown = is_finer ? finer : mesh;
         good = good && light_nodes(&d, &show, at_node, arena, &out, report);

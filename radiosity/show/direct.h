@@ -37,10 +37,11 @@ const Mesh *direct_sources_shown(const DirectSources *sources);
 // stop: then the result is false.
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report);
-// The same, and what each source gives goes into `sources` (NULL: nowhere).
+// The same, and what each source gives goes into `sources` (NULL: nowhere). `borders`: the mesh is of a part of the building, and each
+// member calls this; light is then found at the nodes of its own faces. NULL: of the whole building.
 bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                        const Progress *progress, Arena *arena, RadSolution *solution, DirectSources *sources,
-                       RadReport *report);
+                       const Borders *borders, RadReport *report);
 
 // The same for a state of the sources, on the same nodes: `solution`, gathered, is the light of that state, `lit` the mesh in it, and
 // `share` [sources] what each source sends of its full light. If the day shines, the first call is one in which it does. Sums of states

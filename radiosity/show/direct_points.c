@@ -965,7 +965,7 @@ double direct_pairs(const Direct *d) {
             for (int i = -1; (i = lamp_ways_next(d->ways, object, i)) >= 0;)
                 faces += d->lamp_objects[i].count;
         }
-        pairs += (double)faces * face->patch_count;
+        if (mesh_owns(d->mesh, f)) pairs += (double)faces * face->patch_count;
     }
     return pairs;
 }

@@ -62,21 +62,24 @@ typedef struct Steps {
     double *light;                   // [element_count] W/m^2, the sum of the channels
     double (*value)[3], (*rest)[3];  // [element_count] of reconstruct_values
     float (*worst)[2];               // [element_count] along each axis
+    const Borders *borders;          // or NULL
 } Steps;
 
 static void find_shown_light(Steps *s, Arena *arena) {
     const Mesh *mesh = s->mesh;
-    double power = 0, area = 0;
+    double sums[2] = {0, 0};
     s->light = ARENA_ARRAY(arena, double, mesh->element_count + 1);
     for (int e = 0; e < mesh->element_count; e++) {
         double rho[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
         for (int c = 0; c < 3; c++)
             s->light[e] += rho[c] * s->value[e][c] + s->solution->direct[e][c] + s->solution->sun[e][c];
-        power += mesh->elements[e].area * s->light[e];
-        area += mesh->elements[e].area;
+        if (!mesh_owns(mesh, mesh->elements[e].face)) continue;
+        sums[0] += mesh->elements[e].area * s->light[e];
+        sums[1] += mesh->elements[e].area;
     }
-    for (int e = 0; e < mesh->element_count; e++) s->light[e] += DARK * power / area;
+    if (s->borders) team_sum(borders_member(s->borders), sums, 2);
+    for (int e = 0; e < mesh->element_count; e++) s->light[e] += DARK * sums[0] / sums[1];
 }
 
 static void take_step(Steps *s, int a, int b) {
@@ -121,15 +124,17 @@ static double count_parts(const Steps *s, double scale, MeshDepth *out) {
         const float *step = s->worst[e];
         out[e] = (MeshDepth){depth_for(mesh, element, 0, step[0] * 2 < step[1] ? 0 : bend, close),
                              depth_for(mesh, element, 1, step[1] * 2 < step[0] ? 0 : bend, close)};
-        if (out[e].x + out[e].y > 0) parts += ldexp(1, out[e].x + out[e].y);
+        if (out[e].x + out[e].y > 0 && mesh_owns(mesh, element->face)) parts += ldexp(1, out[e].x + out[e].y);
     }
+    if (s->borders) team_sum(borders_member(s->borders), &parts, 1);
     return parts;
 }
 
-MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, Arena *arena) {
+MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
+                            const Borders *borders, Arena *arena) {
     Arena scratch = {0};
     RadSolution even = reconstruct_even(mesh, solution, &scratch);
-    Steps s = {.mesh = mesh, .solution = &even};
+    Steps s = {.mesh = mesh, .solution = &even, .borders = borders};
     MeshDepth *out = ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1);
     s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
     s.value = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.value);
@@ -142,8 +147,10 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
         for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
             for (int k = i + 1; k < nodes->first[n + 1]; k++)
                 take_step(&s, nodes->element[i], nodes->element[k]);
-    double scale = 1;
-    while (count_parts(&s, scale, out) > MOST_PARTS * mesh->patch_count) scale *= 0.8;
+    double scale = 1, patches = 0;
+    for (int p = 0; p < mesh->patch_count; p++) patches += mesh_owns(mesh, mesh->patches[p].face);
+    if (borders) team_sum(borders_member(borders), &patches, 1);
+    while (count_parts(&s, scale, out) > MOST_PARTS * patches) scale *= 0.8;
     arena_free(&scratch);
     return out;
 }
@@ -291,7 +298,7 @@ static ReflectedPlaces *places_of(const Mesh *mesh, const MeshDepth *halved, con
         const Element *element = &shown->elements[e];
         p->in[e] = shown_around(mesh, shown, e);
         if (!halved || halved[p->in[e]].x + halved[p->in[e]].y == 0) continue;
-        p->part[p->count++] = e;
+        if (mesh_owns(shown, element->face)) p->part[p->count++] = e;
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
             p->anew[nodes->of_corner[c]] = true;
     }
@@ -355,7 +362,8 @@ static double (*at_corners(const Mesh *mesh, const Nodes *own, bool of_patches, 
 }
 
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
-                     int threads, PartRows *kept, const Progress *progress, double (*out)[3]) {
+                     int threads, PartRows *kept, const Borders *borders, const Progress *progress,
+                     double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
     Arena scratch = {0};
     double(*coarse)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *coarse);
@@ -394,6 +402,10 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
         double more[3];
         reconstruct_in(mesh, &by_strong.light, places->in[part], element_centroid(shown, part), more);
         for (int c = 0; c < 3; c++) value[part][c] += more[c];
+    }
+    if (borders) {
+        go_on = !team_any(borders_member(borders), !go_on);
+        borders_fetch(borders, BORDER_ELEMENT, value, sizeof *value);
     }
     if (go_on)
         reconstruct_values(shown, nodes, false, value, places->anew, out, NULL,

@@ -7,7 +7,9 @@
 
 // How often each element of the mesh is to be halved along each axis of its face's grid, [element_count], so that reflected light is shown
 // as it changes: between neighbours that differ, and in front of close surfaces. The solution must be `gathered`.
-MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, Arena *arena);
+// `borders`: of a part of the building, or NULL.
+MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
+                            const Borders *borders, Arena *arena);
 
 // Rows of the parts at which light is gathered, kept by a caller who gathers light of several solutions on one mesh. Start with all zeros,
 // but `thread_count`; reflected_nodes fills it when it is called first, with the rows of that solution's day.
@@ -28,8 +30,10 @@ int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved);
 
 // The irradiance by reflected light at nodes of a mesh whose elements are those of the scene's mesh, halved as often as `halved` says or
 // oftener, W/m^2 a channel, into `out` [nodes->count]. `halved` NULL: no element was halved for reflected light. The same on any number of
-// threads (0: all cores). False where progress asked to stop. `kept` may be NULL.
+// threads (0: all cores). False where progress asked to stop. `kept` may be NULL. `borders`: those of `shown` if it is of a part of the
+// building, then light is found at nodes of its own faces; or NULL.
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
-                     int threads, PartRows *kept, const Progress *progress, double (*out)[3]);
+                     int threads, PartRows *kept, const Borders *borders, const Progress *progress,
+                     double (*out)[3]);
 
 #endif

@@ -45,6 +45,19 @@ same "$work/gathered.rad" "$work/gathered.2.rad" 'the final gather depends on th
 expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
 bake 0 -o "$work/gathered.rad" --resume
 same "$work/gathered.rad" "$work/1.rad" 'a resumed bake keeps what was gathered before'
+# In parts: the promised keys, the same bytes on any number of threads, and what does not go with parts.
+bake 0 -o "$work/parts.rad" --parts 2 --threads 1 --json
+for key in parts ranks elements_made_share sent_mb; do says out "\"$key\": [0-9]"; done
+bake 0 -o "$work/parts.2.rad" --parts 2 --threads 2
+same "$work/parts.rad" "$work/parts.2.rad" 'light in parts depends on threads'
+bake 0 -o "$work/part.rad" --parts 4194304
+same "$work/part.rad" "$work/1.rad" 'one part is another light than the whole'
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/parts.rad" --offscreen "$work/in-parts" --size 64x48 --every 1000
+bake 2 -o "$work/parts.rad" --parts 2 --resume && says err 'light that is found in parts has no --resume'
+bake 2 -o "$work/parts.rad" --parts 0 && says err 'parts'
+# Of a program without MPI mpirun may start one process, not several.
+OMPI_COMM_WORLD_SIZE=2 bake 2 -o "$work/x.rad" && says err 'make mpi=1'
+[ ! -e "$work/x.rad" ] || fail 'a file of light by one of several processes'
 # A model beside the light or instead of it; whole or not at all.
 bake 0 -o "$work/both.rad" -o "$work/both.GLB" && says out 'model  *.*both.GLB'
 same "$work/both.rad" "$work/1.rad" 'a model changes the light'

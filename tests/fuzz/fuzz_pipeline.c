@@ -278,7 +278,7 @@ static bool mesh_of(Scene *s, const RadOptions *rad, Mesh *out) {
     bool made;
     if (random_index(&s->random, 4) == 0) {
         AdaptOptions adapt = adapt_default_options();
-        AdaptScene scene = {&s->graph, &s->forest, s->doors};
+        AdaptScene scene = {&s->graph, &s->forest, s->doors, NULL};
         adapt.few = 300;
         adapt.smallest = options.element / 2;
         made = adapt_mesh(&scene, &options, &adapt, rad, NULL, s->arena, out, &error);

@@ -23,7 +23,7 @@ RadReport baked_solve(Lit *lit, RadSolution *out) {
     vis.threads = 1;
     cr_assert(vis_build_cells(lit->building, &vis, &lit->arena, &lit->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&lit->graph, &vis, NULL, &lit->arena, &lit->forest));
-    AdaptScene scene = {&lit->graph, &lit->forest, NULL};
+    AdaptScene scene = {&lit->graph, &lit->forest, NULL, NULL};
     a.mesh.element = mesh_fitting_element(&lit->graph);
     cr_assert(adapt_mesh(&scene, &a.mesh, &a.adapt, &a.rad, NULL, &lit->arena, &lit->mesh, &error), "%s",
               error.text);

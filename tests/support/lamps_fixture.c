@@ -71,8 +71,8 @@ static DirectSources *bake(Lamps3 *l, double residual, int threads, bool follow)
     DirectSources *sources = each_lamp_sources(&l->mesh, &l->scene.lamps, threads, &l->arena);
     if (follow) relight_prepare(sources, &l->mesh, &l->arena);
     cr_assert_not(rad_shoot(&l->mesh, forest, l->doors, &l->rad, NULL, &l->solution).stopped);
-    cr_assert(
-        direct_show_apart(&l->mesh, forest, l->doors, threads, NULL, &l->arena, &l->solution, sources, NULL));
+    cr_assert(direct_show_apart(&l->mesh, forest, l->doors, threads, NULL, &l->arena, &l->solution, sources,
+                                NULL, NULL));
     l->joint = l->solution;
     copy(&l->arena, &l->joint.node, l->solution.node_count);
     copy(&l->arena, &l->joint.radiosity, l->solution.element_count);

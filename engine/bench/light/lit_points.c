@@ -215,7 +215,7 @@ void light_gather_vertices(const LightScene *s, LightBake *bake, Arena *arena) {
 
 bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error *error) {
     const CellGraph *graph = &s->scene.graph;
-    AdaptScene lit = {graph, &s->scene.forest, s->doors};
+    AdaptScene lit = {graph, &s->scene.forest, s->doors, NULL};
     Mesh *mesh = &bake->mesh;
     Daylight day = daylight_uniform(s->arguments->sky);
     double begin = clock_seconds(), worked = clock_work_seconds();

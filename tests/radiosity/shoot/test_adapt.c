@@ -30,7 +30,7 @@ typedef struct How {
 static Mesh adapted(Lit *lit, const How *how) {
     Mesh mesh;
     Error error = {""};
-    AdaptScene scene = {&lit->graph, &lit->forest, NULL};
+    AdaptScene scene = {&lit->graph, &lit->forest, NULL, NULL};
     MeshOptions options = {.element = how->element > 0 ? how->element : 0.25, .per_patch = 2, .close = 0.05};
     AdaptOptions adapt = adapt_default_options();
     RadOptions rad = rad_default_options();

@@ -119,7 +119,7 @@ static void sum_light(SumFile *f, const char *name, Lit *lit, const MeshOptions 
     RadOptions rad = rad_default_options();
     RadSolution solution, dark;
     AdaptOptions adapt = adapt_default_options();
-    AdaptScene scene = {&lit->graph, &lit->forest, NULL};
+    AdaptScene scene = {&lit->graph, &lit->forest, NULL, NULL};
     rad.shots = 60;
     rad.threads = 2;
     rad.form_factor.resolution = 40;

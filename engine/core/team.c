@@ -1,0 +1,219 @@
+// team.c - a thread for each member, of which one runs at a time: whoever waits hands the turn to the next, and the last to come carries
+// all letters.
+#include "engine/core/team.h"
+
+#include <pthread.h>
+
+#include "engine/core/team_ranks.h"
+
+// A member at a meeting: it brings bytes, and takes those of others with it.
+typedef struct Seat {
+    const void *data;     // bytes for all; or
+    const TeamBytes *to;  // [count] those for each
+    size_t size;
+    Arena *arena;    // of the letters
+    TeamBytes *got;  // [count] from each
+} Seat;
+
+typedef struct Team {
+    int count, first, end;  // members first .. end - 1 are of this process
+    int turn;               // the member that works, -1: none does yet
+    bool off;               // none will
+    long long sent;
+    Seat *seats;  // [count] of this process's members
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    void (*work)(void *context, TeamMember *member);
+    void *context;
+} Team;
+
+struct TeamMember {
+    Team *team;
+    int index;
+    pthread_t thread;
+};
+
+int team_count(const TeamMember *member) { return member->team->count; }
+int team_index(const TeamMember *member) { return member->index; }
+long long team_sent(const TeamMember *member) { return member->team->sent; }
+
+// ---- letters
+
+static int first_of_rank(int count, int rank) { return (int)((long long)count * rank / team_ranks()); }
+
+static void hand_over(Seat *to, int from, TeamBytes letter) {
+    void *copy = arena_alloc(to->arena, letter.size + 1, 1);
+    if (letter.size > 0) memcpy(copy, letter.data, letter.size);
+    to->got[from] = (TeamBytes){copy, letter.size};
+}
+
+static TeamBytes letter_of(const Seat *from, int to) {
+    return from->to ? from->to[to] : (TeamBytes){from->data, from->size};
+}
+
+// Letters to another process: each with its size before it, by senders and then by receivers; one letter where all get the same.
+typedef struct Parcel {
+    char *data;
+    size_t size;
+} Parcel;
+
+static size_t put(char *at, const void *data, size_t size) {
+    if (at && size > 0) memcpy(at, data, size);
+    return size;
+}
+
+static size_t pack(const Team *team, int rank, char *out) {
+    size_t size = 0;
+    int first = first_of_rank(team->count, rank), end = first_of_rank(team->count, rank + 1);
+    for (int from = team->first; from < team->end; from++) {
+        const Seat *seat = &team->seats[from];
+        for (int to = first; to < (seat->to ? end : first + 1); to++) {
+            TeamBytes letter = letter_of(seat, to);
+            size += put(out ? out + size : NULL, &letter.size, sizeof letter.size);
+            size += put(out ? out + size : NULL, letter.data, letter.size);
+        }
+    }
+    return size;
+}
+
+static void unpack(Team *team, int rank, const char *from) {
+    int first = first_of_rank(team->count, rank), end = first_of_rank(team->count, rank + 1);
+    bool each = team->seats[team->first].to != NULL;
+    for (int sender = first; sender < end; sender++) {
+        for (int to = team->first; to < team->end; to++) {
+            TeamBytes letter;
+            memcpy(&letter.size, from, sizeof letter.size);
+            letter.data = from + sizeof letter.size;
+            hand_over(&team->seats[to], sender, letter);
+            if (each || to + 1 == team->end) from += sizeof letter.size + letter.size;
+        }
+    }
+}
+
+// The last of this process's members has come.
+static void carry_letters(Team *team) {
+    int ranks = team_ranks(), own = team_rank();
+    for (int to = team->first; to < team->end; to++) {
+        Seat *seat = &team->seats[to];
+        seat->got = arena_alloc(seat->arena, (size_t)team->count, sizeof *seat->got);
+        for (int from = team->first; from < team->end; from++)
+            hand_over(seat, from, letter_of(&team->seats[from], to));
+    }
+    for (int step = 1; step < ranks; step++) {
+        Arena scratch = {0};
+        int to = (own + step) % ranks, from = (own + ranks - step) % ranks;
+        size_t size = pack(team, to, NULL), received;
+        char *out = arena_alloc(&scratch, size + 1, 1);
+        pack(team, to, out);
+        char *in = ranks_swap(to, out, size, from, &scratch, &received);
+        team->sent += (long long)size;
+        unpack(team, from, in);
+        arena_free(&scratch);
+    }
+}
+
+// ---- turns
+
+static void wait_for_turn(Team *team, int member) {
+    while (team->turn != member) pthread_cond_wait(&team->changed, &team->mutex);
+}
+
+static const TeamBytes *meet(TeamMember *member, Seat seat) {
+    Team *team = member->team;
+    pthread_mutex_lock(&team->mutex);
+    team->seats[member->index] = seat;
+    bool last = member->index + 1 == team->end;
+    if (last) carry_letters(team);
+    team->turn = last ? team->first : member->index + 1;
+    pthread_cond_broadcast(&team->changed);
+    wait_for_turn(team, member->index);
+    const TeamBytes *got = team->seats[member->index].got;
+    pthread_mutex_unlock(&team->mutex);
+    return got;
+}
+
+const TeamBytes *team_collect(TeamMember *member, const void *data, size_t size, Arena *arena) {
+    return meet(member, (Seat){.data = data, .size = size, .arena = arena});
+}
+
+const TeamBytes *team_exchange(TeamMember *member, const TeamBytes *to, Arena *arena) {
+    return meet(member, (Seat){.to = to, .arena = arena});
+}
+
+static void *take_part(void *context) {
+    TeamMember *member = context;
+    Team *team = member->team;
+    pthread_mutex_lock(&team->mutex);
+    while (team->turn != member->index && !team->off) pthread_cond_wait(&team->changed, &team->mutex);
+    pthread_mutex_unlock(&team->mutex);
+    if (team->off) return NULL;
+    team->work(team->context, member);
+    pthread_mutex_lock(&team->mutex);
+    team->turn = member->index + 1;
+    pthread_cond_broadcast(&team->changed);
+    pthread_mutex_unlock(&team->mutex);
+    return NULL;
+}
+
+// Members are as deep in calls as the whole program is.
+static const size_t STACK = (size_t)8 << 20;
+
+bool team_run(int count, void (*work)(void *context, TeamMember *member), void *context, Error *error) {
+    Arena arena = {0};
+    Team team = {.count = count,
+                 .first = first_of_rank(count, team_rank()),
+                 .end = first_of_rank(count, team_rank() + 1),
+                 .turn = -1,
+                 .seats = ARENA_ARRAY(&arena, Seat, count),
+                 .work = work,
+                 .context = context};
+    TeamMember *members = ARENA_ARRAY(&arena, TeamMember, count);
+    pthread_attr_t attributes;
+    CORE_ASSERT(team.first < team.end);
+    pthread_mutex_init(&team.mutex, NULL);
+    pthread_cond_init(&team.changed, NULL);
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, STACK);
+    int started = team.first;
+    for (; started < team.end; started++) {
+        members[started] = (TeamMember){.team = &team, .index = started};
+        if (pthread_create(&members[started].thread, &attributes, take_part, &members[started]) != 0) break;
+    }
+    bool good = started == team.end;
+    pthread_mutex_lock(&team.mutex);
+    team.turn = good ? team.first : -1;
+    team.off = !good;
+    pthread_cond_broadcast(&team.changed);
+    pthread_mutex_unlock(&team.mutex);
+    for (int m = team.first; m < started; m++) pthread_join(members[m].thread, NULL);
+    pthread_attr_destroy(&attributes);
+    pthread_cond_destroy(&team.changed);
+    pthread_mutex_destroy(&team.mutex);
+    arena_free(&arena);
+    return good || error_set(error, "there are too few threads for %d groups of cells", count);
+}
+
+// ---- sums
+
+static void join(TeamMember *member, double *value, int count, bool most) {
+    Arena scratch = {0};
+    const TeamBytes *all = team_collect(member, value, (size_t)count * sizeof *value, &scratch);
+    for (int i = 0; i < count; i++) {
+        double joined = most ? ((const double *)all[0].data)[i] : 0;
+        for (int m = most; m < team_count(member); m++) {
+            double one = ((const double *)all[m].data)[i];
+            joined = !most ? joined + one : one > joined ? one : joined;
+        }
+        value[i] = joined;
+    }
+    arena_free(&scratch);
+}
+
+void team_sum(TeamMember *member, double *value, int count) { join(member, value, count, false); }
+void team_most(TeamMember *member, double *value, int count) { join(member, value, count, true); }
+
+bool team_any(TeamMember *member, bool value) {
+    double any = value;
+    team_most(member, &any, 1);
+    return any > 0;
+}

@@ -1,0 +1,70 @@
+// team_ranks.c - without MPI there is one process; with it (make mpi=1), as many as mpirun started.
+#include "engine/core/team_ranks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/core/team.h"
+
+// Open MPI's mpirun tells it to those whom it starts.
+static const char *started_processes(void) { return getenv("OMPI_COMM_WORLD_SIZE"); }
+
+bool team_is_started(void) { return started_processes() != NULL; }
+
+#ifdef ENFILADE_MPI
+#include <mpi.h>
+
+// MPI counts bytes as int.
+static const size_t PIECE = (size_t)1 << 30;
+
+static int rank_count = 1, own_rank;
+
+bool team_start(int *argc, char ***argv) {
+    if (!team_is_started()) return true;
+    MPI_Init(argc, argv);
+    MPI_Comm_size(MPI_COMM_WORLD, &rank_count);
+    MPI_Comm_rank(MPI_COMM_WORLD, &own_rank);
+    return true;
+}
+
+void team_end(void) {
+    if (team_is_started()) MPI_Finalize();
+}
+
+int team_ranks(void) { return rank_count; }
+int team_rank(void) { return own_rank; }
+
+void *ranks_swap(int to, const void *data, size_t size, int from, Arena *arena, size_t *received) {
+    unsigned long long out = size, in = 0;
+    MPI_Sendrecv(&out, 1, MPI_UNSIGNED_LONG_LONG, to, 0, &in, 1, MPI_UNSIGNED_LONG_LONG, from, 0,
+                 MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    char *got = arena_alloc(arena, (size_t)in + 1, 1);
+    const char *sent = data;
+    for (size_t at = 0; at < out || at < in; at += PIECE) {
+        size_t send = at < out ? (out - at < PIECE ? out - at : PIECE) : 0,
+               receive = at < in ? (in - at < PIECE ? in - at : PIECE) : 0;
+        MPI_Sendrecv(sent + (at < out ? at : 0), (int)send, MPI_BYTE, to, 1, got + (at < in ? at : 0),
+                     (int)receive, MPI_BYTE, from, 1, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    }
+    *received = (size_t)in;
+    return got;
+}
+
+#else
+
+bool team_start(int *argc, char ***argv) {
+    (void)argc, (void)argv;
+    return !team_is_started() || strcmp(started_processes(), "1") == 0;
+}
+
+void team_end(void) {}
+int team_ranks(void) { return 1; }
+int team_rank(void) { return 0; }
+
+void *ranks_swap(int to, const void *data, size_t size, int from, Arena *arena, size_t *received) {
+    (void)to, (void)data, (void)size, (void)from, (void)arena;
+    *received = 0;
+    return NULL;
+}
+
+#endif

@@ -1,0 +1,26 @@
+// bake_parts.h - a bake in parts, groups of cells whose light is found side by side: in this process one after the other, or in as many
+// processes as mpirun started (team.h). Which parts there are, and so the light, depends on the building alone.
+#ifndef SCENE_BAKE_PARTS_H
+#define SCENE_BAKE_PARTS_H
+
+#include "engine/scene/bake_mesh.h"
+
+// Parts have an eighth of the cells, but no fewer than the least and no more than the most.
+enum { PARTS_FITTING = 8, PARTS_LEAST_CELLS = 16, PARTS_MOST_CELLS = 1024 };
+int bake_parts_cells(const CellGraph *graph);
+
+// The work of a bake in parts.
+typedef struct PartsReport {
+    int parts, ranks;
+    RadReport rad;  // residual, shots and what was stopped are of all parts, rows of those of this process
+    double
+        elements_share;  // elements of all meshes, those of others that parts see included, over the elements of the whole
+    double sent_mb;  // by this process to others
+} PartsReport;
+
+// Light to its end, shown, on the mesh of the whole building: `doors`, `mesh` and `out` are made in process 0 alone. `cells`: of a part at
+// most. False, with a sentence, in all processes where it fails or is stopped.
+bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const Progress *progress,
+                Arena *arena, float **doors, Mesh *mesh, RadSolution *out, PartsReport *report, Error *error);
+
+#endif

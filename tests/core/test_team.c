@@ -1,0 +1,64 @@
+// test_team.c - members of a team: sums in their order, letters to each, and what is true of any.
+#include <criterion/criterion.h>
+#include <string.h>
+
+#include "engine/core/team.h"
+
+enum { MEMBERS = 5 };
+
+typedef struct Seen {
+    double sum[MEMBERS], most[MEMBERS];
+    bool any[MEMBERS], none[MEMBERS], letters[MEMBERS];
+    int at_once, most_at_once;
+} Seen;
+
+// Member i writes i + 1 letters 'a' + i to member j, and j of them more.
+static bool exchange(TeamMember *member) {
+    Arena arena = {0};
+    int own = team_index(member);
+    bool good = team_count(member) == MEMBERS;
+    TeamBytes to[MEMBERS];
+    for (int i = 0; i < MEMBERS; i++) {
+        char *text = arena_alloc(&arena, MEMBERS * 3, 1);
+        memset(text, 'a' + own, (size_t)(own + 1 + i));
+        to[i] = (TeamBytes){text, (size_t)(own + 1 + i)};
+    }
+    const TeamBytes *from = team_exchange(member, to, &arena);
+    for (int i = 0; i < MEMBERS; i++) {
+        good = good && from[i].size == (size_t)(i + 1 + own);
+        for (size_t k = 0; good && k < from[i].size; k++) good = ((const char *)from[i].data)[k] == 'a' + i;
+    }
+    arena_free(&arena);
+    return good;
+}
+
+static void take_part(void *context, TeamMember *member) {
+    static const double TERMS[MEMBERS] = {1e16, 1, -1e16, 1, 3};
+    Seen *seen = context;
+    int own = team_index(member);
+    seen->at_once++;
+    if (seen->at_once > seen->most_at_once) seen->most_at_once = seen->at_once;
+    seen->at_once--;
+    seen->sum[own] = seen->most[own] = TERMS[own];
+    team_sum(member, &seen->sum[own], 1);
+    team_most(member, &seen->most[own], 1);
+    seen->any[own] = team_any(member, own == 3);
+    seen->none[own] = team_any(member, false);
+    seen->letters[own] = exchange(member);
+}
+
+// Proves that all members get the same sum, added up in their order to the last bit: 1e16 swallows the 1 after it, and the others stay.
+// Letters come whole to whom they were written, and members take turns.
+Test(team, sums_and_letters) {
+    Seen seen = {0};
+    Error error;
+    cr_assert(team_run(MEMBERS, take_part, &seen, &error), "%s", error.text);
+    for (int i = 0; i < MEMBERS; i++) {
+        cr_expect_eq(seen.sum[i], 4, "member %d has the sum %g", i, seen.sum[i]);
+        cr_expect_eq(seen.most[i], 1e16);
+        cr_expect(seen.any[i] && !seen.none[i]);
+        cr_expect(seen.letters[i], "member %d has wrong letters", i);
+    }
+    cr_expect_eq(seen.most_at_once, 1);
+    cr_expect_eq(team_ranks(), 1);
+}

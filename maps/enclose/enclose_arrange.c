@@ -320,13 +320,55 @@ static void place_holes(const Rings *r, HoleRing *holes, int count, int *face) {
     arena_free(&scratch);
 }
 
-// Of each ring twice its area, exactly, and its first vertex.
+// A face's place along a curve through the plan that stays near where it was (G. Morton 1966): what is made of the plan keeps neighbours
+// together.
+typedef struct Stop {
+    uint64_t key;
+    int ring;
+} Stop;
+
+static int by_curve(const void *p, const void *q) {
+    const Stop *a = p, *b = q;
+    if (a->key != b->key) return a->key < b->key ? -1 : 1;
+    return (a->ring > b->ring) - (a->ring < b->ring);
+}
+
+static uint64_t curve_key(GridPoint p) {
+    enum { BITS = 31 };
+    uint64_t key = 0;
+    for (int bit = 0; bit < BITS; bit++)
+        key |= ((uint64_t)p.x >> bit & 1) << (2 * bit) | ((uint64_t)p.y >> bit & 1) << (2 * bit + 1);
+    return key;
+}
+
+// Numbers the faces of rings with positive area; `vertex` is the first of each ring.
+static int number_faces(const Rings *r, const Wide *twice, const int *vertex, int *face, Arena *arena) {
+    Stop *stops = ARENA_ARRAY(arena, Stop, r->ring_count);
+    int count = 0, shift = 0;
+    GridPoint low = r->point[0], high = low;
+    for (int v = 0; v < r->vertex_count; v++) {
+        GridPoint p = r->point[v];
+        low = (GridPoint){p.x < low.x ? p.x : low.x, p.y < low.y ? p.y : low.y};
+        high = (GridPoint){p.x > high.x ? p.x : high.x, p.y > high.y ? p.y : high.y};
+    }
+    GridPoint size = grid_sub(high, low);
+    while (size.x >> shift > INT32_MAX || size.y >> shift > INT32_MAX) shift++;
+    for (int i = 0; i < r->ring_count; i++) {
+        face[i] = -1;
+        if (twice[i] <= 0) continue;
+        GridPoint p = grid_sub(r->point[vertex[i]], low);
+        stops[count++] = (Stop){curve_key((GridPoint){p.x >> shift, p.y >> shift}), i};
+    }
+    qsort(stops, (size_t)count, sizeof *stops, by_curve);
+    for (int f = 0; f < count; f++) face[stops[f].ring] = f;
+    return count;
+}
+
 static int *find_faces(const Rings *r, int *face_count, Arena *arena) {
     Wide *twice = ARENA_ARRAY(arena, Wide, r->ring_count);
     int *vertex = ARENA_ARRAY(arena, int, r->ring_count), *face = ARENA_ARRAY(arena, int, r->ring_count);
     HoleRing *holes = ARENA_ARRAY(arena, HoleRing, r->ring_count);
     int hole_count = 0;
-    *face_count = 0;
     for (int i = 0; i < r->ring_count; i++) vertex[i] = r->vertex_count;
     for (int h = 0; h < 2 * r->edge_count; h++) {
         if (r->gone[h >> 1]) continue;
@@ -334,8 +376,8 @@ static int *find_faces(const Rings *r, int *face_count, Arena *arena) {
         twice[ring] += grid_cross(r->point[from], ring_way(r, h));
         if (from < vertex[ring]) vertex[ring] = from;
     }
+    *face_count = r->vertex_count > 0 ? number_faces(r, twice, vertex, face, arena) : 0;
     for (int i = 0; i < r->ring_count; i++) {
-        face[i] = twice[i] > 0 ? (*face_count)++ : -1;
         if (face[i] < 0) holes[hole_count++] = (HoleRing){vertex[i], i};
     }
     place_holes(r, holes, hole_count, face);
@@ -370,11 +412,10 @@ static void write_plan(Enclosure *e, const Rings *r, const int *face, int face_c
         for (int k = 0; k < 2; k++) {
             if (edge->face[k] < 0) continue;
             PlanFace *of = &out->faces[edge->face[k]];
-            Vec2 a = out->vertices[edge->v[k]], b = out->vertices[edge->v[!k]],
-                 from = of->half_count == 0 ? of->inner = a : of->inner;
-            of->half_count++;
+            Vec2 a = out->vertices[edge->v[k]], b = out->vertices[edge->v[!k]];
+            if (of->half_count++ == 0) of->inner = a;
             of->perimeter += vec2_length(vec2_sub(b, a));
-            of->area += vec2_cross(vec2_sub(a, from), vec2_sub(b, from)) / 2;
+            of->area += vec2_cross(vec2_sub(a, of->inner), vec2_sub(b, of->inner)) / 2;
         }
     }
     for (int f = 0; f < face_count; f++) {

@@ -518,7 +518,7 @@ static void link_siblings(StabForest *forest, int root, int *last) {
     }
 }
 
-static void assemble(StabForest *forest, const Tree *trees, Arena *arena, Arena *scratch) {
+static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scratch) {
     int total = 0, largest = 1;
     for (int c = 0; c < forest->cell_count; c++) {
         total += trees[c].count;
@@ -530,6 +530,8 @@ static void assemble(StabForest *forest, const Tree *trees, Arena *arena, Arena 
     for (int c = 0; c < forest->cell_count; c++) {
         forest->bounded[c] = trees[c].bounded;
         append_tree(forest, &trees[c], c, scrap);
+        memory_free(trees[c].nodes);
+        trees[c].nodes = NULL;
         link_siblings(forest, c, scrap);
     }
     forest->node_count = forest->root[forest->cell_count];

@@ -36,7 +36,7 @@ static int by_segment(const void *p, const void *q) {
     int first = compare_points(s->a, t->a);
     return first ? first : compare_points(s->b, t->b);
 }
-static int by_key(const void *p, const void *q) {
+static int by_edge(const void *p, const void *q) {
     uint64_t a = *(const uint64_t *)p, b = *(const uint64_t *)q;
     return (a > b) - (a < b);
 }
@@ -168,7 +168,7 @@ static int snap_segments(const Segment *segments, int count, const GridPoint *ho
     }
     arena_free(&scratch);
     *out = edges;
-    return sort_once(edges, edge_count, sizeof *edges, by_key);
+    return sort_once(edges, edge_count, sizeof *edges, by_edge);
 }
 
 // ---- rings: half-edges are as in Plan; the face is on the left
@@ -276,14 +276,14 @@ static int edge_beside(const Rings *r, const BoxTree *tree, GridPoint p, double 
             Wide n = (Wide)(a.x - p.x) * d.y + (Wide)d.x * (p.y - a.y), gain = n * best_d - best_n * d.y;
             bool beside = n < 0 || (n == 0 && d.x < 0);
             if (!beside) continue;
-            // Of two at the same place the one that is farther right above it.
+            // The one that is farther right above it.
             GridPoint other = best < 0 ? d : ring_way(r, 2 * best);
             if (best >= 0 && other.y < 0) other = (GridPoint){-other.x, -other.y};
             if (best >= 0 && (gain < 0 || (gain == 0 && (Wide)d.x * other.y <= (Wide)other.x * d.y)))
                 continue;
             best = edge, best_n = n, best_d = d.y;
         }
-        // What lies at the border of the search may not be the nearest.
+        // An edge at the border of the search may not be the nearest.
         if (best >= 0 && -best_n > (Wide)reach * best_d) best = -1;
         if (reach > farthest) break;
     }

@@ -421,18 +421,40 @@ static Vec3 *sorted_copy(Arena *scratch, const Vec3 *points, int count, Compare 
     return copy;
 }
 
-// Each once.
-static Vec3 *distinct_points(Arena *scratch, const Vec3 *points, int *count) {
-    Arena own = {0};
-    Vec3 *sorted = sorted_copy(&own, points, *count, by_xyz);
-    int kept = 0;
-    for (int i = 0; i < *count; i++) {
-        if (kept == 0 || !vec3_equal(sorted[kept - 1], sorted[i])) sorted[kept++] = sorted[i];
+static size_t hash_of_point(Vec3 p) {
+    double at[3] = {p.x + 0.0, p.y + 0.0, p.z + 0.0};  // one zero
+    uint64_t hash = 0, bits;
+    for (int k = 0; k < 3; k++) {
+        memcpy(&bits, &at[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
     }
-    *count = kept;
-    Vec3 *out = ARENA_ARRAY(scratch, Vec3, kept);
-    memcpy(out, sorted, (size_t)kept * sizeof *out);
+    return (size_t)hash;
+}
+
+// Each once, sorted. A corner occurs three times in the mean: sorting all would take more memory than the rest of the stage.
+static Vec3 *distinct_points(Arena *scratch, const Vec3 *points, int *count, Compare *compare) {
+    Arena own = {0};
+    int kept = 0, capacity = 0, size = 1024, *slot = ARENA_ARRAY(&own, int, size);  // index + 1; 0: empty
+    Vec3 *out = NULL;
+    for (int i = 0; i < *count; i++) {
+        if (kept > size / 2) {
+            slot = ARENA_ARRAY(&own, int, size *= 2);
+            for (int k = 0; k < kept; k++) {
+                size_t at = hash_of_point(out[k]) & (size_t)(size - 1);
+                while (slot[at]) at = (at + 1) & (size_t)(size - 1);
+                slot[at] = k + 1;
+            }
+        }
+        size_t at = hash_of_point(points[i]) & (size_t)(size - 1);
+        while (slot[at] && !vec3_equal(out[slot[at] - 1], points[i])) at = (at + 1) & (size_t)(size - 1);
+        if (slot[at]) continue;
+        *ARENA_APPEND(scratch, out, kept, capacity) = points[i];
+        slot[at] = kept;
+    }
     arena_free(&own);
+    qsort(out, (size_t)kept, sizeof *out, compare);
+    *count = kept;
     return out;
 }
 
@@ -558,7 +580,7 @@ static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
     Vec3 *old = ARENA_ARRAY(&scratch, Vec3, count);
     memcpy(old, graph->vertices + first, (size_t)count * sizeof *old);
     TVertices t = {.scratch = &scratch, .left = MOST_LOOKS, .point_count = count};
-    t.upright = distinct_points(&scratch, old, &t.point_count);
+    t.upright = distinct_points(&scratch, old, &t.point_count, by_xyz);
     t.along_y = sorted_copy(&scratch, t.upright, t.point_count, by_zxy);
     t.along_x = sorted_copy(&scratch, t.upright, t.point_count, by_zyx);
     graph->vertex_count = first;

@@ -519,6 +519,7 @@ static void link_siblings(StabForest *forest, int root, int *last) {
 }
 
 static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scratch) {
+    enum { RETURN_CELLS = 32768 };
     int total = 0, largest = 1;
     for (int c = 0; c < forest->cell_count; c++) {
         total += trees[c].count;
@@ -532,6 +533,8 @@ static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scrat
         append_tree(forest, &trees[c], c, scrap);
         memory_free(trees[c].nodes);
         trees[c].nodes = NULL;
+        // The forest takes as much memory as its trees: it takes the place of those that are in it.
+        if ((c + 1) % RETURN_CELLS == 0) memory_return_freed();
         link_siblings(forest, c, scrap);
     }
     forest->node_count = forest->root[forest->cell_count];

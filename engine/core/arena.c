@@ -133,7 +133,7 @@ void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed,
     size_t before = (size_t)*capacity * size;
     if (needed <= *capacity || !array || before < LARGE_PIECE)
         return arena_room(arena, array, size, used, needed, capacity);
-    int room = before < LARGEST_GROWTH ? *capacity * 2 : *capacity + *capacity / 4;
+    int room = before < LARGEST_GROWTH ? *capacity * 2 : *capacity + *capacity / 8;
     if (room < needed) room = needed + 64;
     void *larger = grow_own_block(arena, array, before, (size_t)room * size);
     if (!larger) return arena_room(arena, array, size, used, needed, capacity);

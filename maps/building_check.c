@@ -10,7 +10,8 @@
 
 typedef struct Check {
     const Building *b;
-    Arena *arena;
+    Arena *arena;    // of the sentences
+    Arena *scratch;  // of all else
     const char **faults;
     int max, count;
     Vec2 *mm;                 // [point_count] plan points in millimetres, whole ones on the grid
@@ -86,7 +87,7 @@ typedef struct Outline {
 
 // The edges whose boxes touch a rectangle, ascending.
 static int edges_near(Check *c, const Outline *outline, Vec2 low, Vec2 high, BoxHits *hits) {
-    return box_tree_find(&outline->tree, (Box){vec3(low.x, low.y, 0), vec3(high.x, high.y, 0)}, c->arena,
+    return box_tree_find(&outline->tree, (Box){vec3(low.x, low.y, 0), vec3(high.x, high.y, 0)}, c->scratch,
                          hits);
 }
 
@@ -203,7 +204,7 @@ static int by_left_end(const void *pa, const void *pb) {
 static void gather_edges(Check *c, const Region *r, Outline *out) {
     int count = 0;
     for (int k = 0; k < r->ring_count; k++) count += c->b->rings[r->first_ring + k].point_count;
-    out->edges = ARENA_ARRAY(c->arena, Edge, count);
+    out->edges = ARENA_ARRAY(c->scratch, Edge, count);
     out->min = vec2(INFINITY, INFINITY);
     out->max = vec2(-INFINITY, -INFINITY);
     for (int k = 0; k < r->ring_count; k++) {
@@ -216,12 +217,12 @@ static void gather_edges(Check *c, const Region *r, Outline *out) {
         }
     }
     qsort(out->edges, (size_t)out->count, sizeof(Edge), by_left_end);
-    Box *boxes = ARENA_ARRAY(c->arena, Box, out->count);
+    Box *boxes = ARENA_ARRAY(c->scratch, Box, out->count);
     for (int i = 0; i < out->count; i++) {
         Edge e = out->edges[i];
         boxes[i] = box_add(box_add(box_empty(), vec3(e.a.x, e.a.y, 0)), vec3(e.b.x, e.b.y, 0));
     }
-    out->tree = box_tree_build(boxes, out->count, c->arena);
+    out->tree = box_tree_build(boxes, out->count, c->scratch);
 }
 
 // Two edges of one region may share end points, of different rings even; nothing else.
@@ -346,7 +347,7 @@ static int by_left(const void *p, const void *q) {
 // Only regions that lie in one another's reach along x: maps have thousands.
 static void check_pairs(Check *c, const Outline *outlines) {
     const Building *b = c->b;
-    Swept *order = ARENA_ARRAY(c->arena, Swept, b->region_count + 1);
+    Swept *order = ARENA_ARRAY(c->scratch, Swept, b->region_count + 1);
     int count = 0;
     for (int i = 0; i < b->region_count; i++) {
         if (outlines[i].sound) order[count++] = (Swept){outlines[i].min.x, i};
@@ -371,12 +372,12 @@ static void check_pairs(Check *c, const Outline *outlines) {
 
 static void check_regions(Check *c) {
     const Building *b = c->b;
-    c->mm = ARENA_ARRAY(c->arena, Vec2, b->point_count);
+    c->mm = ARENA_ARRAY(c->scratch, Vec2, b->point_count);
     for (int i = 0; i < b->point_count; i++) {
         Vec2 p = vec2_scale(b->points[i], MM_PER_M);
         c->mm[i] = on_grid(b->points[i]) ? vec2(nearbyint(p.x), nearbyint(p.y)) : p;
     }
-    Outline *outlines = ARENA_ARRAY(c->arena, Outline, b->region_count);
+    Outline *outlines = ARENA_ARRAY(c->scratch, Outline, b->region_count);
     for (int i = 0; i < b->region_count; i++) {
         const Region *r = &b->regions[i];
         if (!check_region_fields(c, i)) continue;
@@ -844,7 +845,8 @@ static void check_curved(Check *c) {
 }
 
 int building_check(const Building *b, Arena *arena, const char **faults, int max) {
-    Check c = {.b = b, .arena = arena, .faults = faults, .max = max};
+    Arena scratch = {0};
+    Check c = {.b = b, .arena = arena, .scratch = &scratch, .faults = faults, .max = max};
     check_form(&c);
     check_bands(&c);
     check_materials_and_storeys(&c);
@@ -857,5 +859,6 @@ int building_check(const Building *b, Arena *arena, const char **faults, int max
     check_inlays(&c);
     check_lights_and_views(&c);
     check_world(&c);
+    arena_free(&scratch);
     return c.count;
 }

@@ -106,24 +106,38 @@ void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, i
     return larger;
 }
 
-// Frees a block that holds nothing but this piece.
-static void give_back(Arena *arena, const void *piece, size_t bytes) {
-    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
+// Makes a block that holds nothing but this piece larger, by the system's pages where it can: so the piece is not there twice while it
+// grows. Returns where the piece is then, NULL where it has no block of its own.
+static void *grow_own_block(Arena *arena, const void *piece, size_t before, size_t after) {
+    before = (before + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
+    after = (after + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
     for (ArenaBlock **at = &arena->head; *at; at = &(*at)->next) {
         ArenaBlock *block = *at;
         if ((const char *)piece != (char *)block + HEADER) continue;
-        if (block->used != bytes) return;
-        *at = block->next;
-        arena->used -= bytes;
-        memory_free(block->whole);
-        return;
+        if (block->used != before || GAP) return NULL;
+        size_t shift = (size_t)((char *)block - (char *)block->whole), held = HEADER + before;
+        char *whole = memory_grow(block->whole, ALIGNMENT + HEADER + after),
+             *aligned = whole + (ALIGNMENT - (uintptr_t)whole % ALIGNMENT);
+        if (aligned != whole + shift) memmove(aligned, whole + shift, held);
+        block = (ArenaBlock *)aligned;
+        block->whole = whole;
+        block->size = block->used = block->dirty = after;
+        arena->used += after - before;
+        *at = block;
+        return aligned + HEADER;
     }
+    return NULL;
 }
 
 void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
     size_t before = (size_t)*capacity * size;
-    void *larger = arena_room(arena, array, size, used, needed, capacity);
-    if (larger != array && array && before >= LARGE_PIECE) give_back(arena, array, before);
+    if (needed <= *capacity || !array || before < LARGE_PIECE)
+        return arena_room(arena, array, size, used, needed, capacity);
+    int room = before < LARGEST_GROWTH ? *capacity * 2 : *capacity + *capacity / 8;
+    if (room < needed) room = needed + 64;
+    void *larger = grow_own_block(arena, array, before, (size_t)room * size);
+    if (!larger) return arena_room(arena, array, size, used, needed, capacity);
+    *capacity = room;
     return larger;
 }
 

@@ -39,8 +39,13 @@ void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t siz
 // The array, moved if it was too small, with room for `needed` elements of `size` bytes; the first `used` are kept.
 void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, int *capacity);
 
-// As arena_room, but the memory of a large array that was outgrown is given back: no pointer into it may be used any more. For the largest
-// arrays of a building, where the outgrown ones would be as much again.
+// As arena_room, but a large array grows where it is, or its memory is moved: no pointer into it may be used any more, and new elements are
+// not zeroed. For the largest arrays of a building, where the outgrown ones would be as much again.
 void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed, int *capacity);
+
+// ARENA_PUSH by arena_regrow.
+#define ARENA_APPEND(arena, array, count, capacity)                                                          \
+    ((array) = arena_regrow((arena), (array), sizeof *(array), (count), (count) + 1, &(capacity)),           \
+     (array) + (count)++)
 
 #endif

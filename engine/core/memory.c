@@ -278,3 +278,5 @@ void memory_free(void *memory) {
     uncount(memory);
     free(memory);
 }
+
+void memory_return_freed(void) { malloc_trim(0); }

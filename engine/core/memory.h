@@ -18,6 +18,7 @@ void *memory_grow(void *old, size_t bytes);  // as realloc, but never NULL
 void *memory_try(size_t bytes);  // zeroed; NULL where there is none, for callers that can go on without it
 bool memory_fits(size_t bytes);  // is a request for `bytes` within the budget?
 void memory_free(void *memory);  // NULL is allowed
+void memory_return_freed(void);  // to the system: what was freed in many small pieces lies between others
 _Noreturn void memory_end(size_t bytes);  // ends the program: no memory for `bytes` bytes
 
 // Ends the program: the library of this name reports that it found no memory.

@@ -64,9 +64,8 @@ int building_add_texture_map(Arena *arena, Building *b, TextureMap map) {
 static void push_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material,
                          int texture_map) {
     CORE_ASSERT(b->object_count > 0);
-    b->polygons = arena_regrow(arena, b->polygons, sizeof *b->polygons, b->polygon_count,
-                               b->polygon_count + 1, &b->polygon_capacity);
-    b->polygons[b->polygon_count++] = (Polygon){b->vertex_count, count, material, texture_map};
+    *ARENA_APPEND(arena, b->polygons, b->polygon_count, b->polygon_capacity) =
+        (Polygon){b->vertex_count, count, material, texture_map};
     b->vertices = arena_regrow(arena, b->vertices, sizeof *b->vertices, b->vertex_count,
                                b->vertex_count + count, &b->vertex_capacity);
     memcpy(b->vertices + b->vertex_count, vertices, (size_t)count * sizeof *vertices);

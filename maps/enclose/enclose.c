@@ -97,6 +97,7 @@ static bool attempt(Enclosure *e) {
     bool ok = enclose(e);
     GEOS_finish_r(e->geos);
     arena_free(&scratch);
+    memory_return_freed();
     return ok;
 }
 

@@ -43,6 +43,13 @@ typedef struct PlanFace {
     double area, perimeter;      // mm^2, mm
 } PlanFace;
 
+// A ring, or an open line, of the linework.
+typedef struct Line {
+    const Vec2 *points;
+    int count;
+    bool close;
+} Line;
+
 // One planar arrangement of the linework of all storeys.
 typedef struct Plan {
     Vec2 *vertices;
@@ -169,6 +176,8 @@ GEOSGeometry *shape_to_geos(Enclosure *e, const Shape *shape);  // made valid; N
 void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowest, ShapeList *out);
 // Nodes and polygonizes everything in use; false with the error set when GEOS fails.
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out);
+// The arrangement of the lines on the grid, without inner points (enclose_arrange.c).
+void plan_arrange(Enclosure *e, const Line *lines, int count, Plan *out);
 // Puts the faces whose inner point lies in the shape into e->faces, ascending. Returns how many.
 int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape);
 static inline int half_from(const Plan *p, int h) { return p->edges[h >> 1].v[h & 1]; }

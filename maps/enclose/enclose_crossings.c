@@ -12,7 +12,8 @@
 // buildings meet two or three others.
 static const long long MEETINGS = 10000, MEETINGS_EACH = 6;
 // The most corners on edges of other outlines: each is a vertex anyway, and storeys that differ little have many on one line.
-static const long long TOUCHES = 500000;
+// Where there are many outlines, TOUCHES_EACH for each: the four corners of an opening lie on edges of its wall and of the rooms.
+static const long long TOUCHES = 500000, TOUCHES_EACH = 16;
 // The most pairs of edges that may be looked at to find these places: LOOKS, and LOOKS_AN_EDGE more for each edge.
 static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 32;
 // The most pairs for the first outline, which may be the only one and have very many corners.
@@ -121,8 +122,9 @@ static bool take_outline(Crossings *c, int outline) {
               looks = c->any ? LOOKS + LOOKS_AN_EDGE * c->segment_count : LOOKS_FIRST,
               spots = (long long)(c->e->share * ENCLOSE_MOST_SPOTS / 2 /
                                   (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1)),
-              count = 0, touches = 0;
+              most_touches = TOUCHES, count = 0, touches = 0;
     if (most > spots) most = spots;
+    if (most_touches < TOUCHES_EACH * c->outline_count) most_touches = TOUCHES_EACH * c->outline_count;
     int end = c->first[outline];
     bool good = true, fresh = false;
     for (; end < c->first[outline + 1] && good; end++) {
@@ -144,7 +146,7 @@ static bool take_outline(Crossings *c, int outline) {
                 touches += ends_on(&c->segments[i], &c->segments[j]);
         }
         c->taken[i] = true;
-        good = c->meetings + count <= most && c->touches + touches <= TOUCHES && c->looks <= looks;
+        good = c->meetings + count <= most && c->touches + touches <= most_touches && c->looks <= looks;
     }
     c->crowded = fresh && c->outlines >= 2 * spots;
     c->looked_out = c->looks > looks;

@@ -483,12 +483,18 @@ static void index_grown(Enclosure *e) {
 // A room with an implicit wall. Rooms whose implicit walls are connected form a group, named by the lowest room index in it.
 typedef struct Member {
     int group, room;
+    int first_grown, place;  // in e->grown; in the order of e->grown_tree, which keeps neighbours together
     GEOSGeometry *outline, *grown;
 } Member;
 
 static int by_group(const void *pa, const void *pb) {
     const Member *a = pa, *b = pb;
     return a->group != b->group ? a->group - b->group : a->room - b->room;
+}
+
+static int by_place(const void *pa, const void *pb) {
+    const Member *a = pa, *b = pb;
+    return (a->place > b->place) - (a->place < b->place);
 }
 
 static void find_groups(Enclosure *e, Member *members, int count) {
@@ -499,20 +505,19 @@ static void find_groups(Enclosure *e, Member *members, int count) {
         for (int k = 0; k < e->near.count; k++)
             set_unite(parent, e->grown[i].room, e->grown[e->near.items[k]].room);
     }
-    for (int i = 0; i < count; i++) members[i].group = set_find(parent, members[i].room);
+    int *place = ARENA_ARRAY(e->scratch, int, e->grown_count);
+    for (int i = 0; i < e->grown_tree.count; i++) place[e->grown_tree.order[i]] = i;
+    for (int i = 0; i < count; i++) {
+        members[i].group = set_find(parent, members[i].room);
+        if (members[i].first_grown < e->grown_count) members[i].place = place[members[i].first_grown];
+    }
     qsort(members, (size_t)count, sizeof *members, by_group);
 }
 
-// Makes the implicit walls around the rooms of one group.
-static bool add_group(Enclosure *e, const Member *members, int count) {
-    GEOSGeometry **outlines = ARENA_ARRAY(e->scratch, GEOSGeometry *, count),
-                 **grown = ARENA_ARRAY(e->scratch, GEOSGeometry *, count);
-    int storey = e->sketch->rooms[members->room].storey;
-    for (int i = 0; i < count; i++) {
-        outlines[i] = members[i].outline;
-        grown[i] = members[i].grown;
-    }
-    GEOSGeometry *outer = unite(e, grown, count), *inner = unite(e, outlines, count),
+// The grown outlines less the outlines, of which both are taken.
+static bool add_walls(Enclosure *e, int storey, GEOSGeometry **grown, int grown_count,
+                      GEOSGeometry **outlines, int outline_count) {
+    GEOSGeometry *outer = unite(e, grown, grown_count), *inner = unite(e, outlines, outline_count),
                  *solid = outer && inner ? GEOSDifference_r(e->geos, outer, inner) : NULL;
     if (solid) shapes_from_geos(e, solid, NARROWEST_PLUG, &e->implicit[storey]);
     bool made = solid != NULL;
@@ -523,16 +528,64 @@ static bool add_group(Enclosure *e, const Member *members, int count) {
                              e->geos_message);
 }
 
+// The rooms that the grown outlines of these reach, themselves among them, as places in `all`. `stamp` has been below `mark` so far.
+static int rooms_reached(Enclosure *e, const Member *members, int count, const int *place_of_room, int mark,
+                         int *stamp, int *out) {
+    int reached = 0;
+    for (int i = 0; i < count; i++) {
+        for (int g = members[i].first_grown; g < e->grown_count && e->grown[g].room == members[i].room; g++) {
+            box_tree_find(&e->grown_tree, e->grown_tree.boxes[g], e->scratch, &e->near);
+            for (int k = 0; k < e->near.count; k++) {
+                int place = place_of_room[e->grown[e->near.items[k]].room];
+                if (stamp[place] == mark) continue;
+                stamp[place] = mark;
+                out[reached++] = place;
+            }
+        }
+    }
+    return reached;
+}
+
+// Makes the implicit walls around the rooms of one group; of many rooms part by part, since the walls are large polygons with a hole for
+// each room. A part's walls leave out the rooms of other parts; where they overlap the walls of others, they are as these.
+static bool add_group(Enclosure *e, Member *members, int count, int *place_of_room, int *stamp) {
+    enum { PART = 256 };
+    int parts = (count + PART - 1) / PART, storey = e->sketch->rooms[members->room].storey;
+    GEOSGeometry **outlines = ARENA_ARRAY(e->scratch, GEOSGeometry *, count),
+                 **grown = ARENA_ARRAY(e->scratch, GEOSGeometry *, count);
+    int *reached = parts > 1 ? ARENA_ARRAY(e->scratch, int, count) : NULL;
+    bool made = true;
+    if (parts > 1) qsort(members, (size_t)count, sizeof *members, by_place);
+    for (int i = 0; i < count; i++) {
+        place_of_room[members[i].room] = i;
+        stamp[i] = -1;
+    }
+    for (int part = 0; part < parts; part++) {
+        int first = part * PART, own = count - first < PART ? count - first : PART, others = own;
+        if (parts > 1) others = rooms_reached(e, members + first, own, place_of_room, part, stamp, reached);
+        for (int i = 0; i < own; i++) grown[i] = members[first + i].grown;
+        for (int i = 0; i < others; i++)
+            outlines[i] =
+                parts > 1 ? GEOSGeom_clone_r(e->geos, members[reached[i]].outline) : members[i].outline;
+        made = add_walls(e, storey, grown, own, outlines, others) && made;
+    }
+    for (int i = 0; i < count && parts > 1; i++) GEOSGeom_destroy_r(e->geos, members[i].outline);
+    return made;
+}
+
 bool enclose_implicit_walls(Enclosure *e) {
     const Sketch *s = e->sketch;
     assume_walls(e);
     Member *members = ARENA_ARRAY(e->scratch, Member, s->room_count);
-    int count = 0;
+    int count = 0, *place_of_room = ARENA_ARRAY(e->scratch, int, s->room_count),
+        *stamp = ARENA_ARRAY(e->scratch, int, s->room_count);
     for (int i = 0; i < s->room_count; i++) {
         if (!e->room_used[i] || e->room_wall[i] <= 0) continue;
+        int first = e->grown_count;
         GEOSGeometry *outline = shape_to_geos(e, &e->rooms[i]), *grown = grow_room(e, i, outline);
         if (grown)
-            members[count++] = (Member){0, i, outline, grown};
+            members[count++] =
+                (Member){.room = i, .first_grown = first, .place = i, .outline = outline, .grown = grown};
         else if (outline)
             GEOSGeom_destroy_r(e->geos, outline);
     }
@@ -541,7 +594,7 @@ bool enclose_implicit_walls(Enclosure *e) {
     bool made = true;
     for (int i = 0, next; i < count; i = next) {
         for (next = i + 1; next < count && members[next].group == members[i].group;) next++;
-        made = add_group(e, members + i, next - i) && made;
+        made = add_group(e, members + i, next - i, place_of_room, stamp) && made;
     }
     return made;
 }

@@ -6,10 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// xxHash is compiled into this file, so that its library is not needed.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include "engine/core/polygon.h"
 #include "maps/enclose/enclose.h"
 
@@ -107,22 +103,9 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 
 // ---- linework
 
-// With more storeys than this, equal lines are noded only once, since GEOS would look at all pairs of them. With fewer, all
-// lines are noded, since the order of the faces follows from them.
-enum { STOREYS_ONCE = 200 };
-
-// More lines than this are noded in an order without pattern, short lines before long ones. GEOS keeps the points where lines
-// cross in a k-d tree that it does not balance: points along one straight wall, added in the order in which they lie, would make
-// the tree a list. Fewer lines are noded as they come, since the order of the faces follows from that of the lines.
-enum { LINES_IN_ORDER = 4000 };
-
-// A ring, or an open line.
-typedef struct Line {
-    const Vec2 *points;
-    int count;
-    bool close;
-    uint64_t rank;  // of many lines: the order in which they are noded
-} Line;
+// The arrangement of more lines, or more storeys, is made by plan_arrange. GEOS makes the others, since the order of the faces
+// follows from how it does so; it takes several times as much time and memory, and looks at all pairs of equal lines.
+enum { GEOS_LINES = 1000, GEOS_STOREYS = 200 };
 
 typedef struct Lines {
     Line *items;
@@ -130,7 +113,7 @@ typedef struct Lines {
 } Lines;
 
 static void add_line(Enclosure *e, Lines *lines, const Vec2 *points, int count, bool close) {
-    *ARENA_PUSH(e->scratch, lines->items, lines->count, lines->capacity) = (Line){points, count, close, 0};
+    *ARENA_PUSH(e->scratch, lines->items, lines->count, lines->capacity) = (Line){points, count, close};
 }
 
 static void add_shape(Enclosure *e, Lines *lines, const Shape *shape) {
@@ -184,52 +167,16 @@ static Hash hash_new(Arena *arena, int count) {
     return (Hash){ARENA_ARRAY(arena, int, size), size - 1};
 }
 
-static bool lines_equal(const Line *a, const Line *b) {
-    return a->count == b->count && a->close == b->close &&
-           memcmp(a->points, b->points, sizeof(Vec2) * (size_t)a->count) == 0;
-}
-
-// Whether no earlier line has the same points; enters the line into the hash.
-static bool line_is_new(const Lines *lines, Hash *hash, int line) {
-    const Line *l = &lines->items[line];
-    size_t at = XXH3_64bits(l->points, sizeof(Vec2) * (size_t)l->count) & hash->mask;
-    for (; hash->slot[at]; at = (at + 1) & hash->mask) {
-        if (lines_equal(&lines->items[hash->slot[at] - 1], l)) return false;
-    }
-    hash->slot[at] = line + 1;
-    return true;
-}
-
 static uint64_t mix(uint64_t x) {
     x = (x ^ (x >> 31)) * 0x9e3779b97f4a7c15u;
     return x ^ (x >> 29);
 }
 
-static int by_rank(const void *pa, const void *pb) {
-    const Line *a = pa, *b = pb;
-    return (a->rank > b->rank) - (a->rank < b->rank);
-}
-
-// Sorts lines by the power of two below their extent; lines of the same power by a hash of their place in the list.
-static void mix_lines(Enclosure *e, const Lines *lines) {
-    for (int i = 0; i < lines->count; i++) {
-        Line *line = &lines->items[i];
-        Shape shape = shape_of_points(e->scratch, line->points, line->count);
-        double extent = fmax(shape.max.x - shape.min.x, shape.max.y - shape.min.y);
-        line->rank = ((uint64_t)ilogb(fmax(extent, 1)) << 56) | (mix((uint64_t)i + 1) >> 8);
-    }
-    qsort(lines->items, (size_t)lines->count, sizeof *lines->items, by_rank);
-}
-
 static GEOSGeometry *lines_to_geos(Enclosure *e, const Lines *lines) {
     GEOSGeometry **items = ARENA_ARRAY(e->scratch, GEOSGeometry *, lines->count);
-    Hash hash = hash_new(e->scratch, lines->count);
     int count = 0;
-    bool once = e->b->storey_count > STOREYS_ONCE;
-    if (lines->count > LINES_IN_ORDER) mix_lines(e, lines);
     for (int i = 0; i < lines->count; i++) {
         const Line *l = &lines->items[i];
-        if (once && !line_is_new(lines, &hash, i)) continue;
         GEOSCoordSequence *sequence = sequence_of(e, l->points, l->count, l->close);
         GEOSGeometry *line = sequence ? GEOSGeom_createLineString_r(e->geos, sequence) : NULL;
         if (line) items[count++] = line;
@@ -372,7 +319,6 @@ static void read_faces(Enclosure *e, const GEOSGeometry *polygons, Plan *plan) {
         }
         plan->face_count++;
     }
-    finish_faces(e, plan);
 }
 
 int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape) {
@@ -387,12 +333,18 @@ int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape) {
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out) {
     Lines lines = {NULL, 0, 0};
     gather_lines(e, with_plugs, &lines);
+    if (lines.count > GEOS_LINES || e->b->storey_count > GEOS_STOREYS) {
+        plan_arrange(e, lines.items, lines.count, out);
+        finish_faces(e, out);
+        return true;
+    }
     GEOSGeometry *all = lines_to_geos(e, &lines);
     GEOSGeometry *noded = all ? GEOSUnaryUnionPrec_r(e->geos, all, GRID_MM) : NULL;
     const GEOSGeometry *list[1] = {noded};
     GEOSGeometry *polygons = noded ? GEOSPolygonize_r(e->geos, list, 1) : NULL;
     bool ok = polygons != NULL;
     if (ok) read_faces(e, polygons, out);
+    if (ok) finish_faces(e, out);
     if (polygons) GEOSGeom_destroy_r(e->geos, polygons);
     if (noded) GEOSGeom_destroy_r(e->geos, noded);
     if (all) GEOSGeom_destroy_r(e->geos, all);

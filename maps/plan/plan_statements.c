@@ -463,7 +463,7 @@ static bool add_opening(Plan *plan, SketchOpening *opening, double sill, double 
         push_point(plan, p, 0);
     }
     opening->place = place_text(plan, opening_kind_name(opening->kind), opening->name);
-    *ARENA_PUSH(plan->arena, s->openings, s->opening_count, s->opening_capacity) = *opening;
+    *ARENA_APPEND(plan->arena, s->openings, s->opening_count, s->opening_capacity) = *opening;
     *ARENA_PUSH(plan->arena, plan->opening_line, plan->opening_line_count, plan->opening_line_capacity) =
         plan->line.number;
     return true;

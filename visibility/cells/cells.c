@@ -36,13 +36,13 @@ static void add_edge(CellBuilder *builder, const Region *region, int point, int 
     count = graph->plan_count;
     *ARENA_PUSH(builder->scratch, builder->edge_outer, count, builder->outer_capacity) =
         region->kind == REGION_OUTDOORS && on_border(&b->world, a, end);
-    *ARENA_PUSH(builder->arena, graph->plan, graph->plan_count, builder->plan_capacity) = a;
+    *ARENA_APPEND(builder->arena, graph->plan, graph->plan_count, builder->plan_capacity) = a;
 }
 
 static void add_cell(CellBuilder *builder, int region_index, const int *vertex, int count, int *capacity) {
     CellGraph *graph = builder->graph;
     const Region *region = &builder->building->regions[region_index];
-    Cell *cell = ARENA_PUSH(builder->arena, graph->cells, graph->cell_count, *capacity);
+    Cell *cell = ARENA_APPEND(builder->arena, graph->cells, graph->cell_count, *capacity);
     *cell = (Cell){.region = region_index,
                    .first_edge = graph->plan_count,
                    .edge_count = count,

@@ -30,14 +30,14 @@ static int by_ends(const void *p, const void *q) {
 static Portal *add_portal(CellBuilder *builder, const Vec3 *vertices, int count) {
     CellGraph *graph = builder->graph;
     Portal *portal =
-        ARENA_PUSH(builder->arena, graph->portals, graph->portal_count, builder->portal_capacity);
-    portal->first_vertex = graph->portal_vertex_count;
-    portal->vertex_count = count;
-    portal->plane = plane_of_polygon(vertices, count);
-    portal->door = -1;
+        ARENA_APPEND(builder->arena, graph->portals, graph->portal_count, builder->portal_capacity);
+    *portal = (Portal){.first_vertex = graph->portal_vertex_count,
+                       .vertex_count = count,
+                       .plane = plane_of_polygon(vertices, count),
+                       .door = -1};
     for (int i = 0; i < count; i++) {
-        *ARENA_PUSH(builder->arena, graph->portal_vertices, graph->portal_vertex_count,
-                    builder->portal_vertex_capacity) = vertices[i];
+        *ARENA_APPEND(builder->arena, graph->portal_vertices, graph->portal_vertex_count,
+                      builder->portal_vertex_capacity) = vertices[i];
     }
     return portal;
 }

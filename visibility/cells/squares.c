@@ -94,7 +94,7 @@ static bool is_filled(const Registrar *r, int cell, int object) {
 static bool add_registration(Registrar *r, int square, int object) {
     if (r->registered[square] == object) return false;
     r->registered[square] = object;
-    *ARENA_PUSH(r->builder->scratch, r->list, r->count, r->capacity) = (Registration){square, object};
+    *ARENA_APPEND(r->builder->scratch, r->list, r->count, r->capacity) = (Registration){square, object};
     return true;
 }
 

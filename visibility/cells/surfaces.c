@@ -17,9 +17,8 @@ static const double T_VERTEX = 1e-7;
 
 static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *name) {
     CellGraph *graph = builder->graph;
-    graph->objects = arena_regrow(builder->arena, graph->objects, sizeof *graph->objects, graph->object_count,
-                                  graph->object_count + 1, &builder->object_capacity);
-    Object *object = &graph->objects[graph->object_count++];
+    Object *object =
+        ARENA_APPEND(builder->arena, graph->objects, graph->object_count, builder->object_capacity);
     *object = (Object){
         .kind = kind, .name = name, .first_polygon = graph->polygon_count, .opening = -1, .leaf = -1};
     return object;
@@ -27,10 +26,8 @@ static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *nam
 
 static void add_graph_polygon(CellBuilder *builder, const Vec3 *vertices, int count, int material) {
     CellGraph *graph = builder->graph;
-    graph->polygons =
-        arena_regrow(builder->arena, graph->polygons, sizeof *graph->polygons, graph->polygon_count,
-                     graph->polygon_count + 1, &builder->polygon_capacity);
-    graph->polygons[graph->polygon_count++] = (Polygon){graph->vertex_count, count, material, 0};
+    *ARENA_APPEND(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity) =
+        (Polygon){graph->vertex_count, count, material, 0};
     graph->vertices =
         arena_regrow(builder->arena, graph->vertices, sizeof *graph->vertices, graph->vertex_count,
                      graph->vertex_count + count, &builder->vertex_capacity);
@@ -391,12 +388,20 @@ static void add_plugs(CellBuilder *builder) {
     }
 }
 
-// Level edges: sorted by height.
+// Level edges along y: sorted by height, then by their line.
 static int by_zxy(const void *p, const void *q) {
     const Vec3 *a = p, *b = q;
     if (a->z != b->z) return a->z < b->z ? -1 : 1;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     return (a->y > b->y) - (a->y < b->y);
+}
+
+// Level edges along x.
+static int by_zyx(const void *p, const void *q) {
+    const Vec3 *a = p, *b = q;
+    if (a->z != b->z) return a->z < b->z ? -1 : 1;
+    if (a->y != b->y) return a->y < b->y ? -1 : 1;
+    return (a->x > b->x) - (a->x < b->x);
 }
 
 // Upright edges: sorted by their place in plan.
@@ -409,16 +414,48 @@ static int by_xyz(const void *p, const void *q) {
 
 typedef int Compare(const void *, const void *);
 
-static Vec3 *sorted_copy(Arena *scratch, const Vec3 *points, int *count, Compare *compare) {
-    Vec3 *copy = ARENA_ARRAY(scratch, Vec3, *count);
-    memcpy(copy, points, (size_t)*count * sizeof *copy);
-    qsort(copy, (size_t)*count, sizeof *copy, compare);
-    int kept = 0;
-    for (int i = 0; i < *count; i++) {
-        if (kept == 0 || !vec3_equal(copy[kept - 1], copy[i])) copy[kept++] = copy[i];
-    }
-    *count = kept;
+static Vec3 *sorted_copy(Arena *scratch, const Vec3 *points, int count, Compare *compare) {
+    Vec3 *copy = ARENA_ARRAY(scratch, Vec3, count);
+    memcpy(copy, points, (size_t)count * sizeof *copy);
+    qsort(copy, (size_t)count, sizeof *copy, compare);
     return copy;
+}
+
+static size_t hash_of_point(Vec3 p) {
+    double at[3] = {p.x + 0.0, p.y + 0.0, p.z + 0.0};  // one zero
+    uint64_t hash = 0, bits;
+    for (int k = 0; k < 3; k++) {
+        memcpy(&bits, &at[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+    }
+    return (size_t)hash;
+}
+
+// Each once, sorted. A corner occurs three times in the mean: sorting all would take more memory than the rest of the stage.
+static Vec3 *distinct_points(Arena *scratch, const Vec3 *points, int *count, Compare *compare) {
+    Arena own = {0};
+    int kept = 0, capacity = 0, size = 1024, *slot = ARENA_ARRAY(&own, int, size);  // index + 1; 0: empty
+    Vec3 *out = NULL;
+    for (int i = 0; i < *count; i++) {
+        if (kept > size / 2) {
+            slot = ARENA_ARRAY(&own, int, size *= 2);
+            for (int k = 0; k < kept; k++) {
+                size_t at = hash_of_point(out[k]) & (size_t)(size - 1);
+                while (slot[at]) at = (at + 1) & (size_t)(size - 1);
+                slot[at] = k + 1;
+            }
+        }
+        size_t at = hash_of_point(points[i]) & (size_t)(size - 1);
+        while (slot[at] && !vec3_equal(out[slot[at] - 1], points[i])) at = (at + 1) & (size_t)(size - 1);
+        if (slot[at]) continue;
+        *ARENA_APPEND(scratch, out, kept, capacity) = points[i];
+        slot[at] = kept;
+    }
+    arena_free(&own);
+    qsort(out, (size_t)kept, sizeof *out, compare);
+    *count = kept;
+    return out;
 }
 
 // The first point not below `key`.
@@ -461,13 +498,13 @@ static void collect_hits(Arena *scratch, const Vec3 *run, int from, int to, Vec3
     }
 }
 
+// All corners of surfaces, each once, in three orders.
 typedef struct TVertices {
     Arena *scratch;
-    Vec3 *level;  // for level edges
-    BoxTree tree;
+    Vec3 *upright, *along_y, *along_x;
+    int point_count;
+    BoxTree tree;  // of along_y, once an edge is neither upright nor along x or y
     BoxHits near;
-    Vec3 *upright;  // for upright ones
-    int level_count, upright_count;
     Hit *hits;
     int hit_capacity;
     double left;  // corners that may still be looked at
@@ -477,15 +514,42 @@ typedef struct TVertices {
 // the edges stay as they are.
 static const double MOST_LOOKS = 5e8;
 
-// The same of the level corners around the edge.
-static void collect_level(TVertices *t, Vec3 a, Vec3 b, int *count) {
+// Level corners in a rectangle around a slanted edge.
+static void collect_slanted(TVertices *t, Vec3 a, Vec3 b, int *count) {
+    if (!t->tree.nodes) {
+        Box *boxes = ARENA_ARRAY(t->scratch, Box, t->point_count);
+        for (int i = 0; i < t->point_count; i++) boxes[i] = (Box){t->along_y[i], t->along_y[i]};
+        t->tree = box_tree_build(boxes, t->point_count, t->scratch);
+    }
     Box box = {vec3(fmin(a.x, b.x) - T_VERTEX, fmin(a.y, b.y) - T_VERTEX, a.z),
                vec3(fmax(a.x, b.x) + T_VERTEX, fmax(a.y, b.y) + T_VERTEX, a.z)};
     box_tree_find(&t->tree, box, t->scratch, &t->near);
     t->left -= t->near.count;
     for (int i = 0; i < t->near.count; i++)
-        collect_hits(t->scratch, t->level, t->near.items[i], t->near.items[i] + 1, a, b, &t->hits, count,
+        collect_hits(t->scratch, t->along_y, t->near.items[i], t->near.items[i] + 1, a, b, &t->hits, count,
                      &t->hit_capacity);
+}
+
+// Level corners on lines along x, or along y, that lie as near as a corner of the edge may.
+static void collect_along(TVertices *t, Vec3 a, Vec3 b, bool x, int *count) {
+    Compare *compare = x ? by_zyx : by_zxy;
+    const Vec3 *points = x ? t->along_x : t->along_y;
+    double low = x ? fmin(a.x, b.x) : fmin(a.y, b.y), high = x ? fmax(a.x, b.x) : fmax(a.y, b.y),
+           end = (x ? a.y : a.x) + T_VERTEX;
+    Vec3 key = x ? vec3(low - T_VERTEX, a.y - T_VERTEX, a.z) : vec3(a.x - T_VERTEX, low - T_VERTEX, a.z);
+    for (int at = lower_bound(points, t->point_count, key, compare); at < t->point_count;) {
+        double line = x ? points[at].y : points[at].x;
+        if (points[at].z != a.z || line > end) return;
+        // On this line from `low` to `high`.
+        Vec3 from = x ? vec3(low - T_VERTEX, line, a.z) : vec3(line, low - T_VERTEX, a.z),
+             to = x ? vec3(high + T_VERTEX, line, a.z) : vec3(line, high + T_VERTEX, a.z),
+             next = x ? vec3(INFINITY, line, a.z) : vec3(line, INFINITY, a.z);
+        int first = lower_bound(points, t->point_count, from, compare),
+            last = lower_bound(points, t->point_count, to, compare);
+        t->left -= last - first;
+        collect_hits(t->scratch, points, first, last, a, b, &t->hits, count, &t->hit_capacity);
+        at = lower_bound(points, t->point_count, next, compare);
+    }
 }
 
 // The corners inside edge a -> b, in order along it.
@@ -494,12 +558,14 @@ static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
     if (t->left <= 0) return 0;
     if (a.x == b.x && a.y == b.y) {
         Vec3 low = a.z < b.z ? a : b, high = a.z < b.z ? b : a;
-        int from = lower_bound(t->upright, t->upright_count, low, by_xyz);
-        int to = lower_bound(t->upright, t->upright_count, high, by_xyz);
+        int from = lower_bound(t->upright, t->point_count, low, by_xyz);
+        int to = lower_bound(t->upright, t->point_count, high, by_xyz);
         t->left -= to - from;
         collect_hits(t->scratch, t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
+    } else if (a.x == b.x || a.y == b.y) {
+        collect_along(t, a, b, a.y == b.y, &count);
     } else {
-        collect_level(t, a, b, &count);
+        collect_slanted(t, a, b, &count);
     }
     if (count > 1) qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
     return count;
@@ -510,15 +576,13 @@ static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
     CellGraph *graph = builder->graph;
     if (first_polygon == graph->polygon_count) return;
     int first = graph->polygons[first_polygon].first_vertex, count = graph->vertex_count - first;
-    Vec3 *old = ARENA_ARRAY(builder->scratch, Vec3, count);
+    Arena scratch = {0};
+    Vec3 *old = ARENA_ARRAY(&scratch, Vec3, count);
     memcpy(old, graph->vertices + first, (size_t)count * sizeof *old);
-    TVertices t = {.scratch = builder->scratch, .left = MOST_LOOKS};
-    t.level_count = t.upright_count = count;
-    t.upright = sorted_copy(builder->scratch, old, &t.upright_count, by_xyz);
-    t.level = sorted_copy(builder->scratch, old, &t.level_count, by_zxy);
-    Box *boxes = ARENA_ARRAY(builder->scratch, Box, t.level_count);
-    for (int i = 0; i < t.level_count; i++) boxes[i] = (Box){t.level[i], t.level[i]};
-    t.tree = box_tree_build(boxes, t.level_count, builder->scratch);
+    TVertices t = {.scratch = &scratch, .left = MOST_LOOKS, .point_count = count};
+    t.upright = distinct_points(&scratch, old, &t.point_count, by_xyz);
+    t.along_y = sorted_copy(&scratch, t.upright, t.point_count, by_zxy);
+    t.along_x = sorted_copy(&scratch, t.upright, t.point_count, by_zyx);
     graph->vertex_count = first;
     for (int p = first_polygon; p < graph->polygon_count; p++) {
         Polygon *polygon = &graph->polygons[p];
@@ -526,16 +590,17 @@ static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
         int old_count = polygon->vertex_count;
         polygon->first_vertex = graph->vertex_count;
         for (int i = 0; i < old_count; i++) {
-            *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
+            *ARENA_APPEND(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
                 v[i];
             int hits = corners_on_edge(&t, v[i], v[(i + 1) % old_count]);
             for (int h = 0; h < hits; h++) {
-                *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
-                    t.hits[h].point;
+                *ARENA_APPEND(builder->arena, graph->vertices, graph->vertex_count,
+                              builder->vertex_capacity) = t.hits[h].point;
             }
         }
         polygon->vertex_count = graph->vertex_count - polygon->first_vertex;
     }
+    arena_free(&scratch);
 }
 
 void build_surfaces(CellBuilder *builder) {

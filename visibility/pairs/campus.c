@@ -12,11 +12,12 @@
 // The cells that may be seen through each way.
 typedef struct Bounds {
     WayGraph ways;
-    int **cells;  // [way_count] lists
-    int *count;   // [way_count] -1: not found
-    Flow *flows;  // [threads], as are these
-    int **found;  // [cell_count] a list while it is made
-    Arena *own;   // of lists
+    Arena ways_arena;  // of `ways`, which the search in windows does without
+    int **cells;       // [way_count] lists
+    int *count;        // [way_count] -1: not found
+    Flow *flows;       // [threads], as are these
+    int **found;       // [cell_count] a list while it is made
+    Arena *own;        // of lists
     long long *spent;
     int threads, first;  // way of the run
 } Bounds;
@@ -207,10 +208,11 @@ static long long count_undecided(const Search *s) {
 }
 
 // False where windows do not pay.
-static bool search_groups(const CellGraph *graph, const Bounds *bounds, const PairOptions *options,
+static bool search_groups(const CellGraph *graph, Bounds *bounds, const PairOptions *options,
                           const Progress *progress, Arena *arena, CampusPairs *out) {
     Arena scratch = {0};
     CellRows seen = unite_bounds(bounds, &scratch);
+    arena_free(&bounds->ways_arena);
     if (!window_pays(&seen)) {
         arena_free(&scratch);
         return false;
@@ -249,7 +251,7 @@ static bool in_windows(const CellGraph *graph, const PairOptions *options, const
     Arena scratch = {0};
     *out = (CampusPairs){.stopped = false};
     Bounds b = {.threads = parallel_threads(options->threads)};
-    ways_build(graph, &scratch, &b.ways);
+    ways_build(graph, &b.ways_arena, &b.ways);
     b.cells = ARENA_ARRAY(&scratch, int *, b.ways.way_count);
     b.count = ARENA_ARRAY(&scratch, int, b.ways.way_count);
     b.flows = ARENA_ARRAY(&scratch, Flow, b.threads);
@@ -263,6 +265,7 @@ static bool in_windows(const CellGraph *graph, const PairOptions *options, const
     for (int i = 0; i < b.threads; i++) flow_end(&b.flows[i]);
     good = good && search_groups(graph, &b, options, progress, arena, out);
     for (int i = 0; i < b.threads; i++) arena_free(&b.own[i]);
+    arena_free(&b.ways_arena);
     arena_free(&scratch);
     return good;
 }

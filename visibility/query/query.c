@@ -30,6 +30,7 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     arena_free(&scratch);
     q->every_cell = ARENA_ARRAY(arena, uint64_t, forest->words);
     q->joined = ARENA_ARRAY(arena, uint64_t, forest->words);
+    q->joined_cell = ARENA_ARRAY(arena, int, graph->cell_count);
     memset(q->every_cell, 0xff, (size_t)forest->words * sizeof *q->every_cell);
     q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
@@ -169,8 +170,13 @@ static void sort_cells(VisQuery *q) {
 // The cells that an eye may see whose view begins in these cells: rounding may put it in any of them, and a line from there along a
 // portal's plane is no line from its own.
 static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
-    memset(q->joined, 0, (size_t)q->forest->words * sizeof *q->joined);
-    for (int i = 0; i < count; i++) cell_rows_join(&q->forest->seen, around[i], q->joined);
+    // Only what is there from the last time: the set of all cells is long in a large building.
+    for (int i = 0; i < q->joined_count; i++) cell_rows_clear(&q->forest->seen, q->joined_cell[i], q->joined);
+    q->joined_count = count;
+    for (int i = 0; i < count; i++) {
+        q->joined_cell[i] = around[i];
+        cell_rows_join(&q->forest->seen, around[i], q->joined);
+    }
     return q->joined;
 }
 

@@ -136,7 +136,9 @@ struct VisQuery {
         int plug;          // the opening whose door the object plugs, or -1
     } * traits;            // [object_count]
     uint64_t *every_cell;  // a visible set of all
-    uint64_t *joined;      // [words] the visible set of the eye
+    uint64_t *joined;      // [words] the visible set of the eye, which begins in these cells
+    int *joined_cell;      // [cell_count]
+    int joined_count;
     unsigned frame, cone_serial;
     // The query under way:
     const Eye *eye;

@@ -518,7 +518,8 @@ static void link_siblings(StabForest *forest, int root, int *last) {
     }
 }
 
-static void assemble(StabForest *forest, const Tree *trees, Arena *arena, Arena *scratch) {
+static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scratch) {
+    enum { RETURN_CELLS = 32768 };
     int total = 0, largest = 1;
     for (int c = 0; c < forest->cell_count; c++) {
         total += trees[c].count;
@@ -530,6 +531,10 @@ static void assemble(StabForest *forest, const Tree *trees, Arena *arena, Arena 
     for (int c = 0; c < forest->cell_count; c++) {
         forest->bounded[c] = trees[c].bounded;
         append_tree(forest, &trees[c], c, scrap);
+        memory_free(trees[c].nodes);
+        trees[c].nodes = NULL;
+        // The forest takes as much memory as its trees: it takes the place of those that are in it.
+        if ((c + 1) % RETURN_CELLS == 0) memory_return_freed();
         link_siblings(forest, c, scrap);
     }
     forest->node_count = forest->root[forest->cell_count];

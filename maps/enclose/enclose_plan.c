@@ -108,8 +108,7 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 // ---- linework
 
 // With more storeys than this, equal lines are noded only once, since GEOS would look at all pairs of them: 100 equal storeys took
-// three times as long. With fewer, all
-// lines are noded, since the order of the faces follows from them.
+// three times as long. With fewer, all lines are noded, since the order of the faces follows from them.
 enum { STOREYS_ONCE = 8 };
 
 // More lines than this are noded in an order without pattern, short lines before long ones. GEOS keeps the points where lines

@@ -2,7 +2,7 @@
 """storeys_ifc.py STOREYS OUT.ifc - an IFC4 building of equal storeys, each with twelve rooms along a corridor.
 
 Each storey has walls with openings, doors with leaves, windows with glass, spaces with names, slabs, columns and tables that are mapped
-from one shape, and sets of properties. `storeys_ifc.py 1 small.ifc` is a sample; with 10,000 storeys the file has about a gigabyte, for measurements.
+from one shape, and sets of properties. `storeys_ifc.py 1 small.ifc` is a sample; with 12,200 storeys the file has a gibibyte, for measurements.
 """
 import sys
 

@@ -105,7 +105,7 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 
 // The arrangement of more lines, or more storeys, is made by plan_arrange. GEOS makes the others, since the order of the faces
 // follows from how it does so; it takes several times as much time and memory, and looks at all pairs of equal lines.
-enum { GEOS_LINES = 1000, GEOS_STOREYS = 200 };
+enum { GEOS_LINES = 1000, GEOS_STOREYS = 8 };
 
 typedef struct Lines {
     Line *items;

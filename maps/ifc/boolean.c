@@ -18,7 +18,11 @@ enum {
     MANY = 64,           // faces: as many are parted by planes across them
     SMALL = 48,          // faces: larger bodies are looked at only around the tool
 };
-static const long long MOST_WORK = 100000000;  // corners looked at, about 10 ns each
+static const long long MOST_WORK = 60000000;  // corners looked at, about 10 ns each
+// Memory stays until the product is done, so a corner that is cut and a piece that is kept count for more.
+static const long long CUT_WORK = 12, PIECE_WORK = 6;
+// Farther away the digits of a double hold no tenth of the tolerance: faces would be cut for ever, metres.
+static const double FARTHEST = 1e8;
 
 typedef struct Node {
     Plane plane;
@@ -49,10 +53,11 @@ typedef struct Cutter {
     long long work;
 } Cutter;
 
-static void push_piece(Arena *arena, Pieces *list, Piece piece, int label) {
+static void push_piece(Cutter *c, Pieces *list, Piece piece, int label) {
+    c->work += PIECE_WORK;
     int again = list->count;
-    *ARENA_PUSH(arena, list->label, again, list->label_room) = label;
-    *ARENA_PUSH(arena, list->piece, list->count, list->room) = piece;
+    *ARENA_PUSH(c->arena, list->label, again, list->label_room) = label;
+    *ARENA_PUSH(c->arena, list->piece, list->count, list->room) = piece;
 }
 
 // On which sides of a plane a piece has corners: 1 in front, 2 behind.
@@ -69,6 +74,7 @@ static int sides_of(Cutter *c, const Piece *p, Plane plane, double *distance) {
 // Cuts a piece that has corners on both sides. A piece that comes to nothing on a side counts as whole on the other.
 static bool split(Cutter *c, const Piece *p, double *distance, Piece *front, Piece *back) {
     Vec3 *corners = ARENA_ARRAY(c->arena, Vec3, 2 * (p->count + 1));
+    c->work += CUT_WORK * (p->count + 1);
     *front = *back = *p;
     front->corners = corners;
     front->count = polygon_clip_band(p->corners, distance, p->count, SHAPE_EPSILON, corners);
@@ -179,12 +185,12 @@ static bool make_tree(Cutter *c, Piece *list, int count, Tree *tree) {
             Piece a, b;
             int sides = cut_at(c, p, plane, &a, &b);
             if (sides == 3) {
-                push_piece(c->arena, &front, a, 0);
-                push_piece(c->arena, &back, b, 0);
+                push_piece(c, &front, a, 0);
+                push_piece(c, &back, b, 0);
             } else if (sides == 1 || (sides == 0 && across)) {
-                push_piece(c->arena, &front, *p, 0);
+                push_piece(c, &front, *p, 0);
             } else if (sides == 2) {
-                push_piece(c->arena, &back, *p, 0);
+                push_piece(c, &back, *p, 0);
             }
         }
         if (front.count)
@@ -219,11 +225,11 @@ static int classify(Cutter *c, const Tree *tree, int node, const Piece *p, bool 
             int two = classify(c, tree, back_child, &b, plus, out, touched, depth + 1);
             if (one == MIXED || one != two) return MIXED;
             out->count = before;
-            push_piece(c->arena, out, *p, one);
+            push_piece(c, out, *p, one);
             return one;
         }
     }
-    push_piece(c->arena, out, *p, node);
+    push_piece(c, out, *p, node);
     return node;
 }
 
@@ -240,6 +246,11 @@ typedef struct Body {
 
 static bool begin_body(Cutter *c, Body *body, const Shape *shape) {
     *body = (Body){.shape = shape, .box = box_grow(shape->box, SHAPE_EPSILON)};
+    Vec3 low = shape->box.min, high = shape->box.max;
+    if (!(fmin(fmin(low.x, low.y), low.z) > -FARTHEST && fmax(fmax(high.x, high.y), high.z) < FARTHEST))
+        return false;
+    if (c->work > MOST_WORK) return false;
+    c->work += PIECE_WORK * shape->face_count;
     body->pieces = ARENA_ARRAY(c->arena, Piece, shape->face_count + 1);
     body->boxes = ARENA_ARRAY(c->arena, Box, shape->face_count + 1);
     for (int i = 0; i < shape->face_count; i++) {
@@ -304,7 +315,7 @@ static bool local_tree(Cutter *c, const Body *body, Box around, Tree *tree) {
             c->work += p.count;
         }
         if (p.count >= 3 && polygon_area(p.corners, p.count) > SHAPE_SMALLEST_AREA)
-            push_piece(c->arena, &kept, p, 0);
+            push_piece(c, &kept, p, 0);
     }
     if (kept.count) return make_tree(c, kept.piece, kept.count, tree);
     Vec3 middle = vec3_scale(vec3_add(box.min, box.max), 0.5);
@@ -327,7 +338,7 @@ static void filter(Cutter *c, const Tree *tree, Box box, Pieces *list, bool plus
     for (int i = 0; i < list->count; i++) {
         Piece *p = &list->piece[i];
         if (!box_overlap(piece_box(p), box)) {
-            if (label == LEAF_OUT) push_piece(c->arena, &next, *p, LEAF_OUT);
+            if (label == LEAF_OUT) push_piece(c, &next, *p, LEAF_OUT);
             continue;
         }
         Pieces parts = {0};
@@ -335,7 +346,7 @@ static void filter(Cutter *c, const Tree *tree, Box box, Pieces *list, bool plus
         classify(c, tree, tree->root, p, plus, &parts, &met, 0);
         *touched |= met;
         for (int k = 0; k < parts.count; k++)
-            if (parts.label[k] == label) push_piece(c->arena, &next, parts.piece[k], label);
+            if (parts.label[k] == label) push_piece(c, &next, parts.piece[k], label);
     }
     *list = next;
 }
@@ -355,7 +366,7 @@ static bool keep_tool_faces(Cutter *c, ShapeBoolean operation, Body *a, Body *to
     for (int i = 0; i < tool->shape->face_count; i++) {
         Pieces list = {0};
         bool touched = false, ignored = false;
-        push_piece(c->arena, &list, tool->pieces[i], 0);
+        push_piece(c, &list, tool->pieces[i], 0);
         filter(c, tree, a->box, &list, true, label, &touched);
         if (touched) filter(c, tree, a->box, &list, false, label, &ignored);
         for (int k = 0; k < tool_count && list.count; k++) {
@@ -376,7 +387,7 @@ static bool keep_tool_faces(Cutter *c, ShapeBoolean operation, Body *a, Body *to
 static bool combine(Cutter *c, ShapeBoolean operation, Body *a, Body *tools, int tool_count, Shape *out) {
     for (int i = 0; i < a->shape->face_count; i++) {
         Pieces list = {0};
-        push_piece(c->arena, &list, a->pieces[i], 0);
+        push_piece(c, &list, a->pieces[i], 0);
         bool ignored = false;
         for (int k = 0; k < tool_count && list.count; k++) {
             bool meets = box_overlap(tools[k].box, a->boxes[i]);
@@ -399,8 +410,8 @@ static bool combine(Cutter *c, ShapeBoolean operation, Body *a, Body *tools, int
 }
 
 bool shape_boolean(Arena *arena, ShapeBoolean operation, const Shape *a, const Shape *const *tools,
-                   int tool_count, Shape *out) {
-    Cutter c = {.arena = arena};
+                   int tool_count, long long *work, Shape *out) {
+    Cutter c = {.arena = arena, .work = *work};
     *out = *a;
     Body body, *bodies = ARENA_ARRAY(arena, Body, tool_count + 1);
     int near = 0;
@@ -412,9 +423,10 @@ bool shape_boolean(Arena *arena, ShapeBoolean operation, const Shape *a, const S
     }
     if (near == 0) return true;
     Shape result = shape_empty(a->solid);
-    if (!combine(&c, operation, &body, bodies, near, &result)) return false;
-    *out = result;
-    return true;
+    bool good = combine(&c, operation, &body, bodies, near, &result);
+    *work = c.work;
+    if (good) *out = result;
+    return good;
 }
 
 Shape shape_half_space(Arena *arena, Box box, Plane plane) {

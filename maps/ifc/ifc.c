@@ -275,9 +275,10 @@ static void cut_openings(Reader *r, const Work *work, int product, const Body *b
     *out = (Body){.items = ARENA_ARRAY(&r->scratch, Item, body->count), .count = body->count};
     for (int i = 0; i < body->count; i++) {
         out->items[i] = body->items[i];
-        if (!shape_boolean(&r->scratch, SHAPE_DIFFERENCE, &body->items[i].shape, tools, tool_count,
+        if (!shape_boolean(&r->scratch, SHAPE_DIFFERENCE, &body->items[i].shape, tools, tool_count, &r->work,
                            &out->items[i].shape))
-            ifc_note(r, rel->record[product], "keeps its openings closed: to cut them out takes too long");
+            ifc_note(r, rel->record[product],
+                     "keeps its openings closed: to cut them out takes too long, or it lies too far away");
         // Faces of a cut look as the body does.
         int look = body->items[i].shape.face_count ? body->items[i].shape.faces[0].material : -1;
         Shape *s = &out->items[i].shape;
@@ -298,8 +299,20 @@ static bool is_near(const IfcMesh *mesh) {
     return true;
 }
 
+// A product's parts stand between it and the one before it, as a rule: the text of the next product is asked for while this one is read.
+static void expect_next(const Work *work, int product) {
+    enum { MOST = 16384, LINE = 64 };
+    const StepFile *step = &work->file->step;
+    if (product + 1 >= work->model->product_count) return;
+    size_t from = step->at[work->relations->record[product]],
+           to = step->at[work->relations->record[product + 1]];
+    if (to - from > MOST) from = to - MOST;
+    for (; from < to; from += LINE) __builtin_prefetch(step->text + from);
+}
+
 static void read_one(void *context, int index, int thread) {
     Work *work = context;
+    expect_next(work, index);
     work->readers[thread].product = index;
     ifc_read_product(&work->readers[thread], work->relations, index, &work->model->products[index]);
 }
@@ -311,6 +324,7 @@ static void read_shape(void *context, int index, int thread) {
     IfcProduct *p = &work->model->products[index];
     ifc_begin(r, index);
     if (ifc_too_many(r)) return;
+    expect_next(work, index);
     Body body = {0}, cut;
     read_body(r, rel->record[index], &body);
     p->item_count = body.count;

@@ -43,6 +43,8 @@ typedef struct IfcPlan {
     Box *room_box, *wall_box;
     BoxTree room_tree, wall_tree;
     BoxHits near;
+    int *floors;  // [floor_count] products: the slabs and coverings that have a body
+    int floor_count, floor_capacity;
     int *storey;    // [model->storey_count] the building's storey, -1: it became none
     int *material;  // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;

@@ -336,6 +336,11 @@ static void index_rooms(IfcPlan *p) {
     p->room_box = ARENA_ARRAY(&p->scratch, Box, p->room_count);
     for (int i = 0; i < p->room_count; i++) p->room_box[i] = p->model->products[p->rooms[i].product].box;
     p->room_tree = box_tree_build(p->room_box, p->room_count, &p->scratch);
+    for (int i = 0; i < p->model->product_count; i++) {
+        const IfcProduct *it = &p->model->products[i];
+        if ((it->kind == IFC_SLAB || it->kind == IFC_COVERING) && !box_is_empty(it->box))
+            *ARENA_PUSH(&p->scratch, p->floors, p->floor_count, p->floor_capacity) = i;
+    }
 }
 
 static int add_points(IfcPlan *p, const Vec2 *points, int count, const int *material) {
@@ -374,9 +379,8 @@ static int floor_material(IfcPlan *p, const IfcRoom *room) {
     Vec3 middle = vec3_lerp(box.min, box.max, 0.5);
     double nearest = STEP;
     int best = -1;
-    for (int i = 0; i < m->product_count; i++) {
-        const IfcProduct *it = &m->products[i];
-        if ((it->kind != IFC_SLAB && it->kind != IFC_COVERING) || box_is_empty(it->box)) continue;
+    for (int i = 0; i < p->floor_count; i++) {
+        const IfcProduct *it = &m->products[p->floors[i]];
         double off = fabs(it->box.max.z - room->z0);
         if (off >= nearest || middle.x < it->box.min.x || middle.x > it->box.max.x ||
             middle.y < it->box.min.y || middle.y > it->box.max.y)

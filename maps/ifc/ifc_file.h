@@ -59,6 +59,13 @@ typedef struct RawNote {
     const char *text;
 } RawNote;
 
+enum { IFC_PLACED = 64 };  // placements that a thread remembers
+// Where a placement stands in the world: many products stand in the same storey, doors in walls.
+typedef struct Placed {
+    int record, depth;  // 0: nothing is remembered here
+    Frame frame;
+} Placed;
+
 // One thread's state.
 typedef struct Reader {
     const IfcFile *file;
@@ -71,10 +78,13 @@ typedef struct Reader {
     int product;       // that is read, an index; -1: none
     int depth;         // of items within items
     long long visits;  // of items, profiles and curves since the product or the map began
+    long long work;    // of booleans since then
+    Placed placed[IFC_PLACED];
 } Reader;
 
 enum {
     IFC_VISITS = 16,            // visits of items, profiles and curves that count as a polygon
+    IFC_WORK = 2000,            // corners looked at by booleans that count as one
     IFC_DEEPEST = 40,           // items within items, placements in placements
     IFC_LONGEST_CHAIN = 10000,  // booleans whose first operand is a boolean
     IFC_MOST_CHORDS = 256,      // of an arc or circle

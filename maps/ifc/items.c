@@ -58,7 +58,7 @@ static bool half_space(Reader *r, int record, Box box, Shape *out) {
     Shape prism = shape_empty(true);
     ifc_sweep_profile(r, &profile, &place, vec3_scale(place.z, high - low + 0.1), &prism);
     const Shape *tools[1] = {&half};
-    return shape_boolean(&r->scratch, SHAPE_INTERSECTION, &prism, tools, 1, out);
+    return shape_boolean(&r->scratch, SHAPE_INTERSECTION, &prism, tools, 1, &r->work, out);
 }
 
 static bool is_half_space(int type) {
@@ -120,9 +120,9 @@ static bool boolean_chain(Reader *r, int record, Shape *out, Prism *prism) {
             }
         }
         Shape result;
-        if (n > 0 && !shape_boolean(&r->scratch, operation, &shape, tool, n, &result)) {
-            ifc_note(r, at, "takes too long: its operands have %d and %d faces", shape.face_count,
-                     tools[0].face_count);
+        if (n > 0 && !shape_boolean(&r->scratch, operation, &shape, tool, n, &r->work, &result)) {
+            ifc_note(r, at, "takes too long, or lies too far away: its operands have %d and %d faces",
+                     shape.face_count, tools[0].face_count);
         } else if (n > 0) {
             shape = result;
         }
@@ -190,6 +190,8 @@ static bool one_solid(Reader *r, int record, Shape *out, Prism *prism) {
         break;
     }
     ifc_leave(r);
+    // Items are counted when they are put together: here count operands, which stand within others.
+    if (r->depth > 1) ifc_count_polygons(r, out);
     give_look(out, ifc_style_of(r, record));
     return good;
 }

@@ -68,11 +68,12 @@ void shape_append_mapped(Arena *arena, Shape *to, const Shape *from, const Frame
 int convex_pieces(Arena *arena, const Vec2 *points, const int *size, int ring_count, int **out,
                   int **out_size);
 
-// Booleans. The work of one call is bounded; false means that it was too much, and `out` then is `a` as it was.
+// Booleans. `work` grows by the corners looked at. False means that it was too much of all calls together, or that a body lies too far
+// away; `out` then is `a` as it was.
 typedef enum ShapeBoolean { SHAPE_UNION, SHAPE_DIFFERENCE, SHAPE_INTERSECTION } ShapeBoolean;
 // A difference may have many tools, which count as one body; the others have one. All is allocated in `arena`.
 bool shape_boolean(Arena *arena, ShapeBoolean operation, const Shape *a, const Shape *const *tools,
-                   int tool_count, Shape *out);
+                   int tool_count, long long *work, Shape *out);
 // The part of a box behind a plane, as a body.
 Shape shape_half_space(Arena *arena, Box box, Plane plane);
 

@@ -9,6 +9,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include "engine/core/parallel.h"
 
 enum {
@@ -24,6 +28,28 @@ static bool is_blank(char c) {
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 static bool is_name(char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || is_digit(c) || c == '_' || c == '-';
+}
+
+// The first byte from here on that is a quote or, with `all`, a semicolon or a slash too; the size of the file where there is none.
+static inline size_t find_stop(const StepFile *file, size_t at, bool all) {
+    typedef char Block __attribute__((vector_size(32)));
+    const char *text = file->text;
+    for (; at + sizeof(Block) <= file->size; at += sizeof(Block)) {
+        Block b;
+        memcpy(&b, text + at, sizeof b);
+        Block hit = (Block)(b == '\'');
+        if (all) hit |= (Block)(b == ';') | (Block)(b == '/');
+#ifdef __AVX2__
+        unsigned mask = (unsigned)_mm256_movemask_epi8((__m256i)hit);
+        if (mask) return at + (size_t)__builtin_ctz(mask);
+#else
+        uint64_t word[4];
+        memcpy(word, &hit, sizeof word);
+        if (word[0] | word[1] | word[2] | word[3]) break;
+#endif
+    }
+    while (at < file->size && text[at] != '\'' && !(all && (text[at] == ';' || text[at] == '/'))) at++;
+    return at;
 }
 
 long long step_line(const StepFile *file, size_t at) {
@@ -50,24 +76,20 @@ static size_t skip_blanks(const StepFile *file, size_t at) {
 
 // Behind a string whose quote is at `at`; SIZE_MAX where it does not end. A doubled quote is two strings in a row, which does no harm here.
 static size_t skip_string(const StepFile *file, size_t at) {
-    const char *end = memchr(file->text + at + 1, '\'', file->size - at - 1);
-    return end ? (size_t)(end - file->text) + 1 : SIZE_MAX;
+    size_t end = find_stop(file, at + 1, false);
+    return end < file->size ? end + 1 : SIZE_MAX;
 }
-
-// The bytes at which the search for the end of a statement stops.
-static const unsigned char STOPS[256] = {['\''] = 1, [';'] = 1, ['/'] = 1, [0] = 1};
 
 // Behind the `;` of a statement; SIZE_MAX where it does not end.
 static size_t skip_statement(const StepFile *file, size_t at) {
     const char *text = file->text;
     for (;;) {
-        while (!STOPS[(unsigned char)text[at]]) at++;  // the zero byte behind the text stops
+        at = find_stop(file, at, true);
+        if (at >= file->size) return SIZE_MAX;
         if (text[at] == ';') return at + 1;
         if (text[at] == '\'') {
             at = skip_string(file, at);
-        } else if (at >= file->size) {
-            return SIZE_MAX;
-        } else if (text[at] == '/' && at + 1 < file->size && text[at + 1] == '*') {
+        } else if (at + 1 < file->size && text[at + 1] == '*') {
             at = skip_blanks(file, at);
         } else {
             at++;
@@ -81,21 +103,38 @@ static size_t skip_statement(const StepFile *file, size_t at) {
 typedef struct TypeTable {
     const StepTypes *types;
     uint16_t slot[TYPE_TABLE];  // type + 1
+    unsigned char length[STEP_MOST_TYPES];
 } TypeTable;
 
-static uint32_t name_hash(const char *name, size_t size) {
-    uint32_t h = 2166136261u;
-    for (size_t i = 0; i < size; i++) h = (h ^ ((unsigned char)name[i] & 0xDFu)) * 16777619u;
-    return h ^ h >> 15;
+// Eight bytes of a name without regard to case, as some programs write small letters: no two other characters of names are made alike.
+static uint64_t name_word(const char *text) {
+    uint64_t word;
+    memcpy(&word, text, sizeof word);
+    return word & 0xDFDFDFDFDFDFDFDFu;
 }
 
-// Names are compared without regard to case, as some programs write small letters.
+// By words of eight bytes, of which the last two overlap.
+static uint32_t name_hash(const char *name, size_t size) {
+    uint64_t h = size;
+    size_t i = 0;
+    for (; i + 8 <= size; i += 8) h = (h ^ name_word(name + i)) * 0x9E3779B97F4A7C15u;
+    if (size >= 8) return (uint32_t)((h ^ name_word(name + size - 8)) * 0x9E3779B97F4A7C15u >> 32);
+    for (; i < size; i++) h = (h ^ ((unsigned char)name[i] & 0xDFu)) * 0x9E3779B97F4A7C15u;
+    return (uint32_t)(h >> 32);
+}
+
 static bool same_name(const char *text, size_t size, const char *name) {
-    for (size_t i = 0; i < size; i++) {
-        char c = text[i] >= 'a' && text[i] <= 'z' ? (char)(text[i] - 32) : text[i];
-        if (c != name[i]) return false;
-    }
+    for (size_t i = 0; i < size; i++)
+        if ((text[i] & 0xDF) != (name[i] & 0xDF) || name[i] == 0) return false;
     return name[size] == 0;
+}
+
+// The same for a name of `length` bytes.
+static bool same_long_name(const char *text, size_t size, const char *name, size_t length) {
+    if (size != length || size < 8) return size == length && same_name(text, size, name);
+    for (size_t i = 0; i + 8 <= size; i += 8)
+        if (name_word(text + i) != name_word(name + i)) return false;
+    return name_word(text + size - 8) == name_word(name + size - 8);
 }
 
 static void make_table(TypeTable *table, const StepTypes *types) {
@@ -103,7 +142,10 @@ static void make_table(TypeTable *table, const StepTypes *types) {
     memset(table, 0, sizeof *table);
     table->types = types;
     for (int i = 0; i < types->count; i++) {
-        uint32_t h = name_hash(types->name[i], strlen(types->name[i]));
+        size_t length = strlen(types->name[i]);
+        uint32_t h = name_hash(types->name[i], length);
+        CORE_ASSERT(length <= LONGEST_NAME);
+        table->length[i] = (unsigned char)length;
         while (table->slot[h % TYPE_TABLE]) h++;
         table->slot[h % TYPE_TABLE] = (uint16_t)(i + 1);
     }
@@ -113,7 +155,8 @@ static uint16_t find_type(const TypeTable *table, const char *name, size_t size)
     for (uint32_t h = name_hash(name, size);; h++) {
         int slot = table->slot[h % TYPE_TABLE];
         if (!slot) return STEP_OTHER;
-        if (same_name(name, size, table->types->name[slot - 1])) return (uint16_t)(slot - 1);
+        if (same_long_name(name, size, table->types->name[slot - 1], table->length[slot - 1]))
+            return (uint16_t)(slot - 1);
     }
 }
 
@@ -139,7 +182,7 @@ typedef struct Part {
     int *entity;
     uint16_t *type;
     size_t *at;
-    int entity_room, type_room, at_room;
+    int entity_room, type_room, at_room;  // equal
 } Part;
 
 typedef struct Scan {
@@ -154,30 +197,41 @@ static void part_fault(Part *part, Fault fault, size_t at) {
 }
 
 static void keep_record(Part *part, int entity, uint16_t type, size_t at) {
-    int count = part->count, again = count;
-    *ARENA_PUSH(&part->arena, part->entity, count, part->entity_room) = entity;
-    count = again;
-    *ARENA_PUSH(&part->arena, part->type, count, part->type_room) = type;
-    count = again;
-    *ARENA_PUSH(&part->arena, part->at, count, part->at_room) = at;
-    part->count = count;
+    enum { USUAL = 48 };  // bytes of a record, fewer than most have
+    int n = part->count;
+    if (n == part->at_room) {
+        int needed = n ? 2 * n : (int)((part->to - part->from) / USUAL) + 64;
+        part->entity = arena_room(&part->arena, part->entity, sizeof(int), n, needed, &part->entity_room);
+        part->type = arena_room(&part->arena, part->type, sizeof(uint16_t), n, needed, &part->type_room);
+        part->at = arena_room(&part->arena, part->at, sizeof(size_t), n, needed, &part->at_room);
+    }
+    part->entity[n] = entity;
+    part->type[n] = type;
+    part->at[n] = at;
+    part->count = n + 1;
     if (entity > part->largest) part->largest = entity;
+}
+
+// Most blanks and comments are none.
+static inline size_t pass_blanks(const StepFile *file, size_t at) {
+    char c = file->text[at];
+    return is_blank(c) || c == '/' ? skip_blanks(file, at) : at;
 }
 
 static bool scan_record(const Scan *scan, Part *part, size_t *place) {
     const StepFile *file = scan->file;
     const char *text = file->text;
-    size_t begin = *place, at = skip_blanks(file, begin + 1);
+    size_t begin = *place, at = pass_blanks(file, begin + 1);
     long long number = 0;
     size_t digits = at;
     while (at < file->size && is_digit(text[at]) && number <= STEP_MOST_NAMED)
         number = number * 10 + (text[at++] - '0');
     if (at == digits || number > STEP_MOST_NAMED || number < 0)
         return part_fault(part, at >= file->size ? CUT_OFF : NO_NUMBER, begin), false;
-    at = skip_blanks(file, at);
+    at = pass_blanks(file, at);
     if (at >= file->size || text[at] != '=')
         return part_fault(part, at >= file->size ? CUT_OFF : NO_EQUALS, begin), false;
-    at = skip_blanks(file, at + 1);
+    at = pass_blanks(file, at + 1);
     if (at >= file->size) return part_fault(part, CUT_OFF, begin), false;
     size_t name = at;
     at = name_end(file, at);
@@ -186,7 +240,7 @@ static bool scan_record(const Scan *scan, Part *part, size_t *place) {
         if (at - name > LONGEST_NAME) return part_fault(part, NO_TYPE, begin), false;
         type = find_type(scan->table, text + name, at - name);
     }
-    size_t open = skip_blanks(file, at);
+    size_t open = pass_blanks(file, at);
     if (open >= file->size || text[open] != '(')
         return part_fault(part, open >= file->size ? CUT_OFF : NO_TYPE, begin), false;
     size_t end = skip_statement(file, open);
@@ -518,7 +572,7 @@ static bool pass_comma(StepCursor *c) {
     return file->text[c->at] == ')';
 }
 
-StepValue step_next(StepCursor *c) {
+static inline StepValue next_value(StepCursor *c) {
     const StepFile *file = c->file;
     if (c->at >= file->size) return (StepValue){.kind = STEP_END};
     char first = file->text[c->at];
@@ -537,6 +591,26 @@ StepValue step_next(StepCursor *c) {
         if (value.kind == STEP_END) value.kind = STEP_NONE;
     }
     return value;
+}
+
+StepValue step_next(StepCursor *c) { return next_value(c); }
+
+int step_values(StepCursor *from, StepValue *out, int most) {
+    StepCursor c = *from;  // which then lies in registers
+    int count = 0;
+    for (; count < most; count++) {
+        out[count] = next_value(&c);
+        if (out[count].kind == STEP_END) break;
+    }
+    *from = c;
+    return count;
+}
+
+StepCursor step_enter(const StepCursor *from) {
+    StepCursor c = *from;
+    c.at = pass_blanks(c.file, c.at);
+    c.at = c.at < c.file->size && c.file->text[c.at] == '(' ? c.at + 1 : c.file->size;
+    return c;
 }
 
 // STEP_END stands for a damaged value here.
@@ -616,20 +690,24 @@ static inline StepValue read_value(StepCursor *c) {
     return v;
 }
 
-int step_numbers(const StepCursor *from, const StepValue *list, double *out, int most) {
-    if (list->kind != STEP_LIST) return 0;
-    StepCursor c = step_elements(from, list);
+int step_next_numbers(StepCursor *c, double *out, int most) {
     int count = 0;
     while (count < most) {
-        StepValue v = step_next(&c);
+        StepValue v = next_value(c);
         if (v.kind == STEP_END) break;
         if (v.kind == STEP_TYPED) {
-            StepCursor inner = step_elements(&c, &v);
+            StepCursor inner = step_elements(c, &v);
             v = step_next(&inner);
         }
         out[count++] = v.kind == STEP_NUMBER ? v.number : 0;
     }
     return count;
+}
+
+int step_numbers(const StepCursor *from, const StepValue *list, double *out, int most) {
+    if (list->kind != STEP_LIST) return 0;
+    StepCursor c = step_elements(from, list);
+    return step_next_numbers(&c, out, most);
 }
 
 // ---- strings

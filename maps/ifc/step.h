@@ -88,6 +88,12 @@ StepCursor step_arguments(const StepFile *file, int record, size_t *bad);
 StepCursor step_elements(const StepCursor *from, const StepValue *list);
 // The next argument. Lists are passed over as a whole, however deep they are.
 StepValue step_next(StepCursor *cursor);
+// Reads up to `most` arguments; returns how many there were.
+int step_values(StepCursor *cursor, StepValue *out, int most);
+// The elements of the list that is the next argument, which is not passed over for that; none where it is no list.
+StepCursor step_enter(const StepCursor *from);
+// Reads up to `most` elements as numbers; typed values count by their value. Returns how many there were.
+int step_next_numbers(StepCursor *cursor, double *out, int most);
 // Reads up to `most` numbers of a list, in which typed values count by their value; returns how many there were.
 int step_numbers(const StepCursor *from, const StepValue *list, double *out, int most);
 

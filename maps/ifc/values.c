@@ -8,10 +8,7 @@ bool ifc_arguments(Reader *r, int record, StepValue *out, int count) {
     int read = 0;
     if (record >= 0) {
         StepCursor c = step_arguments(&r->file->step, record, &r->bad);
-        for (; read < count; read++) {
-            out[read] = step_next(&c);
-            if (out[read].kind == STEP_END) break;
-        }
+        read = step_values(&c, out, count);
     }
     for (; read < count; read++) out[read] = (StepValue){.kind = STEP_NONE, .record = -1};
     return record >= 0;
@@ -112,9 +109,9 @@ bool ifc_enter(Reader *r, int record) {
 void ifc_leave(Reader *r) { r->depth--; }
 
 void ifc_begin(Reader *r, int product) {
-    if (r->visits >= IFC_VISITS)
-        __atomic_fetch_add(r->file->polygons, r->visits / IFC_VISITS, __ATOMIC_RELAXED);
-    r->visits = 0;
+    long long polygons = r->visits / IFC_VISITS + r->work / IFC_WORK;
+    if (polygons > 0) __atomic_fetch_add(r->file->polygons, polygons, __ATOMIC_RELAXED);
+    r->visits = r->work = 0;
     r->product = product;
 }
 
@@ -126,12 +123,11 @@ int ifc_style_of(const Reader *r, int record) {
 // ---- points and directions
 
 static Vec3 triple(Reader *r, int record, int *count) {
-    StepValue list;
     double v[3] = {0};
     *count = 0;
-    if (!ifc_arguments(r, record, &list, 1)) return vec3(0, 0, 0);
-    StepCursor c = step_arguments(&r->file->step, record, &r->bad);
-    *count = step_numbers(&c, &list, v, 3);
+    if (record < 0) return vec3(0, 0, 0);
+    StepCursor c = step_arguments(&r->file->step, record, &r->bad), list = step_enter(&c);
+    *count = step_next_numbers(&list, v, 3);
     return vec3(v[0], v[1], v[2]);
 }
 
@@ -221,23 +217,42 @@ Frame ifc_operator(Reader *r, int record) {
 }
 
 Frame ifc_placement(Reader *r, int record) {
+    // The placements from this one outwards, up to one that is remembered or to the world.
+    int chain[IFC_DEEPEST], count = 0, depth = 0, at = record;
+    bool whole = true;
     Frame out = frame_identity();
-    int depth = 0;
-    while (record >= 0) {
+    while (at >= 0 && depth <= IFC_DEEPEST) {
+        const Placed *placed = &r->placed[at % IFC_PLACED];
+        if (placed->depth > 0 && placed->record == at) {
+            out = placed->frame;
+            depth += placed->depth;
+            break;
+        }
+        StepValue parent;
+        whole = ifc_type(r, at) == T_LOCALPLACEMENT;
+        if (!whole) {
+            ifc_note(r, at, "is no placement that is read (allowed: IFCLOCALPLACEMENT)");
+            break;
+        }
+        if (++depth > IFC_DEEPEST) break;
+        chain[count++] = at;
+        ifc_arguments(r, at, &parent, 1);
+        at = parent.record;
+    }
+    // Told of the first one, whichever of the others were remembered.
+    if (depth > IFC_DEEPEST) {
+        ifc_note(r, record, "is placed relative to more than %d others, or to itself", IFC_DEEPEST);
+        return frame_identity();
+    }
+    depth -= count;
+    while (count > 0) {
         StepValue a[2];
-        int type = ifc_type(r, record);
-        if (++depth > IFC_DEEPEST) {
-            ifc_note(r, record, "is placed relative to more than %d others, or to itself", IFC_DEEPEST);
-            break;
-        }
-        if (type != T_LOCALPLACEMENT) {
-            ifc_note(r, record, "is no placement that is read (allowed: IFCLOCALPLACEMENT)");
-            break;
-        }
-        ifc_arguments(r, record, a, 2);
+        at = chain[--count];
+        ifc_arguments(r, at, a, 2);
         Frame own = ifc_axes(r, a[1].record);
-        out = frame_join(&own, &out);
-        record = a[0].record;
+        out = frame_join(&out, &own);
+        // A chain that could not be read is noted for each product anew.
+        if (whole) r->placed[at % IFC_PLACED] = (Placed){at, ++depth, out};
     }
     return out;
 }

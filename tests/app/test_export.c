@@ -8,6 +8,7 @@
 #include "maps/building/texture.h"
 #include "maps/maps.h"
 #include "radiosity/show/reconstruct.h"
+#include "tests/maps/ifc/house_fixture.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"
 
@@ -289,6 +290,7 @@ Test(export, pictures_lie_as_here) {
     Error error = {""};
     *lit->building = (Building){0};
     cr_assert(maps_read("maps/buildings/attic.sh3d", &lit->arena, lit->building, &error), "%s", error.text);
+    lit->building->source = "house.ifc";
     lit->building->materials[0].emission = (Rgb){1, 1, 1};
     lit_finish(lit, 2, 2);
     Written w = write_lit(lit, 0);
@@ -332,5 +334,33 @@ Test(export, odd_names_and_places) {
     cr_assert_not(export_glb("/no/such/folder/x.glb", &lit->mesh, &w.solution, w.doors, &error));
     cr_assert_not_null(strstr(error.text, "cannot be written"), "says `%s`", error.text);
     arena_free(&arena);
+    lit_free(lit);
+}
+
+// Storeys, rooms, doors and windows of a building model keep their names.
+Test(export, names_of_building_models) {
+    static const char *const NAMES[] = {"ground floor", "1 west",     "2 east",
+                                        "inner door",   "front door", "north window"};
+    enum { NAME_COUNT = sizeof NAMES / sizeof *NAMES };
+    Lit *lit = lit_new();
+    House house = house_two_rooms(&lit->arena, false, vec2(0, 0), 0, true);
+    *lit->building = (Building){0};
+    house_read(&lit->arena, house_end(&house), lit->building);
+    lit->building->source = "house.ifc";
+    lit->building->materials[0].emission = (Rgb){1, 1, 1};
+    lit_finish(lit, 2, 2);
+    Written w = write_lit(lit, 0);
+    const unsigned char *binary;
+    json_t *json = document_of(support_read(&lit->arena, w.path), &binary),
+           *nodes = json_object_get(json, "nodes");
+    for (int i = 0; i < NAME_COUNT; i++) {
+        bool found = false;
+        for (size_t k = 0; k < json_array_size(nodes); k++) {
+            const char *name = json_string_value(json_object_get(json_array_get(nodes, k), "name"));
+            found |= name && strcmp(name, NAMES[i]) == 0;
+        }
+        cr_expect(found, "no node is called `%s`", NAMES[i]);
+    }
+    json_decref(json);
     lit_free(lit);
 }

@@ -1,6 +1,7 @@
 // house_fixture.c - small building models, written as STEP files.
 #include "tests/maps/ifc/house_fixture.h"
 
+#include "tests/support/fixture.h"
 #include <criterion/criterion.h>
 
 extern const MapsReader MAPS_READER_IFC;
@@ -268,21 +269,12 @@ int house_notes(const Building *b, const char *text) {
     return count;
 }
 
-static double twice_area(const Building *b, const Region *r) {
-    const Ring *ring = &b->rings[r->first_ring];
-    double sum = 0;
-    for (int i = 0; i < ring->point_count; i++)
-        sum += vec2_cross(b->points[ring->first_point + i],
-                          b->points[ring->first_point + (i + 1) % ring->point_count]);
-    return sum;
-}
-
 const Region *house_room(const Building *b, const char *name) {
     const Region *best = NULL;
     for (int i = 0; i < b->region_count; i++) {
         const Region *r = &b->regions[i];
         if (r->kind != REGION_ROOM || strcmp(r->name, name) != 0) continue;
-        if (!best || twice_area(b, r) > twice_area(b, best)) best = r;
+        if (!best || fixture_region_area(b, r) > fixture_region_area(b, best)) best = r;
     }
     cr_assert(best, "no room is called %s", name);
     return best;

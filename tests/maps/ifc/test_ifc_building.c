@@ -5,6 +5,7 @@
 #include "engine/core/polygon.h"
 #include "engine/core/random.h"
 #include "tests/maps/ifc/house_fixture.h"
+#include "tests/support/fixture.h"
 #include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_IFC;
@@ -21,23 +22,14 @@ static bool joins(const Building *b, const Opening *o, const char *one, const ch
            (strcmp(name[0], other) == 0 && strcmp(name[1], one) == 0);
 }
 
-static double area_of(const Building *b, const Region *r) {
-    const Ring *ring = &b->rings[r->first_ring];
-    double sum = 0;
-    for (int i = 0; i < ring->point_count; i++)
-        sum += vec2_cross(b->points[ring->first_point + i],
-                          b->points[ring->first_point + (i + 1) % ring->point_count]);
-    return sum / 2;
-}
-
 static void expect_two_rooms(const Building *b) {
     cr_expect_eq(b->storey_count, 1);
     cr_expect_str_eq(b->storeys[0].name, "ground floor");
     cr_expect_float_eq(b->storeys[0].height, 2.5, 1e-9);
     const Region *west = house_room(b, "1 west"), *east = house_room(b, "2 east");
     // Tolerance: a millimetre, the grid of plans, along each side.
-    cr_expect_float_eq(area_of(b, west), 12, 0.014);
-    cr_expect_float_eq(area_of(b, east), 12, 0.014);
+    cr_expect_float_eq(fixture_region_area(b, west), 12, 0.014);
+    cr_expect_float_eq(fixture_region_area(b, east), 12, 0.014);
     cr_expect_float_eq(west->z1 - west->z0, 2.5, 1e-9);
     cr_expect(joins(b, house_opening(b, "inner door"), "1 west", "2 east"));
     cr_expect(joins(b, house_opening(b, "front door"), "1 west", "outdoors"));
@@ -192,7 +184,7 @@ Test(ifc_building, upper_storey) {
     cr_expect_float_eq(house_room(&b, "1.1 above")->z0, 2.8, 1e-9);
     double shaft = 0, balcony = 0;
     for (int i = 0; i < b.region_count; i++)
-        if (b.regions[i].kind == REGION_SHAFT) shaft += area_of(&b, &b.regions[i]);
+        if (b.regions[i].kind == REGION_SHAFT) shaft += fixture_region_area(&b, &b.regions[i]);
     for (int i = 0; i < b.object_count; i++) {
         const Object *o = &b.objects[i];
         if (o->kind != OBJECT_LOW_WALL || strcmp(o->name, "slab") != 0) continue;
@@ -229,7 +221,7 @@ Test(ifc_building, low_ceiling) {
         if (r->kind != REGION_SHAFT) continue;
         cr_expect_float_eq(r->z0, 2.5, 1e-9);
         cr_expect_float_eq(r->z1, 4.2, 1e-9);
-        shaft += area_of(&b, r);
+        shaft += fixture_region_area(&b, r);
     }
     // Steps from 0.5 m on: 19 of 21, of a quarter of a square metre each.
     cr_expect_float_eq(shaft, 19 * 0.25, 0.3, "%g", shaft);

@@ -190,6 +190,50 @@ Test(ifc, circles) {
     }
 }
 
+// A body so far away that its digits hold no tolerance is cut by nothing: found by a fuzzer, it took 16 GB.
+Test(ifc, booleans_far_away) {
+    Arena arena = {0};
+    IfcModel m;
+    ifc_accept(
+        &arena,
+        ifc_text(&arena,
+                 "#100=IFCBOOLEANRESULT(.INTERSECTION.,#101,#102);#101=IFCBOOLEANRESULT(.UNION.,#103,#104);"
+                 "#102=IFCSPHERE(#11,250.);#103=IFCBOOLEANRESULT(.DIFFERENCE.,#105,#104);"
+                 "#104=IFCRIGHTCIRCULARCONE(#11,400.,100.);#105=IFCBLOCK(#11,1.,400.,1.E20);"),
+        1, &m);
+    bool told = false;
+    for (int n = 0; n < m.note_count; n++)
+        told |= strstr(m.notes[n].text, "takes too long, or lies too far away") != NULL;
+    cr_expect(told);
+    arena_free(&arena);
+}
+
+// Placements that were read for another product are remembered, but how many stand within each other is counted from the world.
+Test(ifc, placements_within_placements) {
+    enum { DEEP = 30, DEEPER = 45 };  // the limit of 40 lies between
+    Arena arena = {0};
+    char *text = arena_alloc(&arena, 16384, 1);
+    int used = snprintf(text, 16384,
+                        "#100=IFCBLOCK(#11,1.,1.,1.);#200=IFCLOCALPLACEMENT($,#101);"
+                        "#101=IFCAXIS2PLACEMENT3D(#102,$,$);#102=IFCCARTESIANPOINT((0.,0.,1.));");
+    for (int i = 1; i < DEEPER; i++)
+        used +=
+            snprintf(text + used, 16384 - (size_t)used, "#%d=IFCLOCALPLACEMENT(#%d,#101);", 200 + i, 199 + i);
+    snprintf(text + used, 16384 - (size_t)used,
+             "#301=IFCSLAB('a',$,'deep',$,$,#%d,$,$,$);#302=IFCSLAB('b',$,'deeper',$,$,#%d,$,$,$);",
+             199 + DEEP, 199 + DEEPER);
+    IfcModel m;
+    ifc_accept(&arena, ifc_text(&arena, text), 1, &m);
+    cr_assert_eq(m.product_count, 3);
+    for (int i = 0; i < m.product_count; i++)
+        if (strcmp(m.products[i].name, "deep") == 0) cr_expect_eq(m.products[i].place.z, DEEP);
+    cr_assert_eq(m.note_count, 1);
+    cr_expect_neq(
+        strstr(m.notes[0].text, "\"deeper\": #244 IFCLOCALPLACEMENT is placed relative to more than 40"),
+        NULL, "%s", m.notes[0].text);
+    arena_free(&arena);
+}
+
 // Maps of maps of maps: 30 levels of two would be a thousand million boxes; the bound says no before.
 Test(ifc, maps_of_maps) {
     Arena arena = {0};

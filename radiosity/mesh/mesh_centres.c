@@ -64,13 +64,14 @@ static Vec3 free_place(const Centres *c, const Patch *patch) {
     Search s = {&mesh->faces[patch->face], patch->centre, patch->centre, INFINITY};
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
         const Element *element = &mesh->elements[e];
-        Vec3 middle = element_centroid(mesh, e);
+        const int *corner = mesh->corners + element->first_corner;
+        Vec3 middle = {0, 0, 0};
+        for (int k = 0; k < element->corner_count; k++)
+            middle = vec3_add(middle, vec3_scale(mesh->vertices[corner[k]], 1.0 / element->corner_count));
         try_place(c, &s, middle);
-        for (int k = 0; k < element->corner_count; k++) {
-            Vec3 corner = mesh->vertices[mesh->corners[element->first_corner + k]];
+        for (int k = 0; k < element->corner_count; k++)
             for (int w = 0; w < (int)(sizeof WAYS / sizeof *WAYS); w++)
-                try_place(c, &s, vec3_lerp(middle, corner, WAYS[w]));
-        }
+                try_place(c, &s, vec3_lerp(middle, mesh->vertices[corner[k]], WAYS[w]));
     }
     return s.best;
 }

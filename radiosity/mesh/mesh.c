@@ -150,6 +150,7 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;
         mesh_find_reflectances(out, arena);
+        mesh_free_centres(out);
         mesh_find_moving(out, arena);
         mesh_find_cells(out);
         mesh_pose(out, door_open);

@@ -98,6 +98,8 @@ typedef struct Patch {
     double area;  // m^2
     Vec3
         centre;  // of its area, or a point of the patch near it; where that is inside a wall, the centre of the part in `cell`
+    bool
+        covered;  // a thing stands on the middle of the patch: `centre` is a free place beside it, where there is one
 } Patch;
 
 typedef struct MeshMoving MeshMoving;

@@ -31,6 +31,8 @@ void mesh_anchor_elements(MeshBuilder *builder);
 // mesh_contacts.c: finds the cuts of all faces, after mesh_anchor_outlines. False where there are too many faces to search.
 bool mesh_find_cuts(MeshBuilder *builder);
 
+// mesh_centres.c: moves centres of patches out of things that stand on the patches, once the elements are made.
+void mesh_free_centres(Mesh *mesh);
 // mesh_cells.c: finds the cells of all patches.
 void mesh_find_cells(Mesh *mesh);
 // The same of one that belongs to no cell's own surfaces, -1: it is inside a wall. `hint` as for vis_locate. Where the

@@ -86,8 +86,8 @@ RoomPlan room_plan(const CellGraph *graph, double height, Arena *arena) {
 
 // A point with a greater share of backs in view is inside a thing.
 static const double INSIDE = 0.99;
-// And so is one with less light than this share of the brightest point's.
-static const double DARK = 1e-6;
+// And so is one with less light than this share of the brightest point's: in the open, what walls reflect is more.
+static const double DARK = 1e-4;
 
 typedef struct Gathering {
     const RoomPlan *plan;

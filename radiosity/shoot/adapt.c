@@ -656,6 +656,12 @@ static unsigned char limit(int depth) {
     return (unsigned char)(depth < 0 ? 0 : depth > MESH_DEEPEST ? MESH_DEEPEST : depth);
 }
 
+// Does something stand on the middle of the root that an element is cut from? Roots are the patches of the rough mesh.
+static bool has_covered_root(const Adapt *a, const Mesh *mesh, int element) {
+    int rough = mesh_element_at(&a->rough, mesh->elements[element].face, element_centroid(mesh, element));
+    return a->rough.patches[a->rough.elements[rough].patch].covered;
+}
+
 // Shooters err by about their power times their size: the sum is least for a number of them where their edges are as the fourth
 // root of 1 / light. Lamps count as bright as they are.
 static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double light) {
@@ -663,8 +669,10 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double lig
     double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch,
            root = root_edge(mesh, element);
     double edge = usual * pow(fmax(light / a->mean, DARK), -0.25);
-    // For lamps, each of which shoots with more detail, a quarter of the root at least.
-    if (mesh_is_lamp(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
+    // For lamps, each of which shoots with more detail, a quarter of the root at least; and at most where a cord or rod stands on its
+    // middle, since from one place beside that it would send its light to one side.
+    if (mesh_is_lamp(mesh, mesh->elements[element].face))
+        edge = has_covered_root(a, mesh, element) ? root / 2 : fmax(edge, root / 2);
     int depth = (int)lround(log2(root / edge));
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }

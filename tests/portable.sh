@@ -38,7 +38,7 @@ for test in $(find tests/core tests/maps tests/visibility tests/sim -name '*.c' 
 done
 for part in curved_fixture draft_fixture fixture gltf_fixture home_fixture hostile patch_oracle prt_scene soup_fixture soups support \
     quake_builder wad_builder; do
-    sources+=" tests/support/$part.c"
+    sources+=" $(find tests/support -name "$part.c")"
 done
 sources+=" tests/portable/runner.c engine/bench/ray_patches.c"
 

@@ -4,7 +4,7 @@ programs_of_tests := tests/maps/make_hostile.c tests/maps/hostile_cost.c tests/c
 tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% tests/samples/% tests/portable/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c tests/*/*/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*/*.cpp))
 fuzzers := $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
-fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support/wad_builder support/home_fixture \
+fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support/files/wad_builder support/files/home_fixture \
              support/fixture)
 
 $(dir)/tests/all: $(library) $(tests)
@@ -17,11 +17,11 @@ $(dir)/tests/fuzz_%: $(dir)/tests/fuzz/fuzz_%.o $(dir)/tests/fuzz/mutator.o $(di
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -Wl,--wrap=file_read -o $@ $^ -lzip $(libs)
 $(dir)/tests/try_fuzz_%: $(dir)/tests/fuzz/fuzz_%.o $(dir)/tests/fuzz/try_fuzz.o $(dir)/tests/fuzz/mutator.o $(dir)/fuzzed.a
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -Wl,--wrap=file_read -o $@ $^ -lzip $(libs)
-$(dir)/tests/make_hostile: $(dir)/tests/support/hostile.o $(dir)/tests/maps/make_hostile.o
+$(dir)/tests/make_hostile: $(dir)/tests/support/files/hostile.o $(dir)/tests/maps/make_hostile.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lm
 # What opens a building, without what draws or lights it.
 counted := $(patsubst %.c,$(dir)/%.o,$(foreach l,$(filter-out visibility/hidden,$(filter engine/core maps% visibility%,$(layers))),$(wildcard $(l)/*.c)))
-$(dir)/tests/hostile_cost: $(counted) $(dir)/tests/support/hostile.o $(dir)/tests/maps/hostile_cost.o
+$(dir)/tests/hostile_cost: $(counted) $(dir)/tests/support/files/hostile.o $(dir)/tests/maps/hostile_cost.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 
 test soak:

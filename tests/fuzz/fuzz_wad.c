@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "tests/fuzz/target.h"
-#include "tests/support/wad_builder.h"
+#include "tests/support/files/wad_builder.h"
 #include "visibility/vis.h"
 
 extern const MapsReader MAPS_READER_WAD;

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "maps/maps.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "visibility/pairs/pairs.h"
 
 #define UNCOUNTED __attribute__((no_sanitize_coverage))

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 
 int main(int argc, char **argv) {
     if (argc == 1) {

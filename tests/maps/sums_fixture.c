@@ -6,7 +6,7 @@
 
 #include "maps/maps.h"
 #include "tests/support/draft_fixture.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/sums.h"
 #include "tests/support/support.h"
 #include "visibility/pairs/pairs.h"

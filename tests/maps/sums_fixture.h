@@ -3,7 +3,7 @@
 #define TESTS_SUMS_FIXTURE_H
 
 #include "tests/support/draft_fixture.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/sums.h"
 #include "tests/support/support.h"
 #include "visibility/pairs/pairs.h"

@@ -7,8 +7,8 @@
 #include "engine/core/polygon.h"
 #include "maps/building/texture.h"
 #include "maps/maps.h"
-#include "tests/support/home_fixture.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/home_fixture.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/support.h"
 #include "visibility/vis.h"
 

@@ -3,7 +3,7 @@
 
 #include "engine/core/file.h"
 #include "maps/maps.h"
-#include "tests/support/soups.h"
+#include "tests/support/files/soups.h"
 #include "tests/support/support.h"
 #include "visibility/vis.h"
 

@@ -5,7 +5,7 @@
 
 #include "tests/maps/sums_fixture.h"
 #include "tests/support/draft_fixture.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/sums.h"
 #include "tests/support/support.h"
 #include "visibility/pairs/pairs.h"

@@ -8,7 +8,7 @@
 #include "tests/maps/sums_fixture.h"
 #include "tests/support/draft_fixture.h"
 #include "tests/support/fixture.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/prt_scene.h"
 #include "tests/support/soup_fixture.h"
 #include "tests/support/sums.h"

@@ -5,7 +5,7 @@
 
 #include "engine/core/memory.h"
 #include "maps/maps.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/support.h"
 #include "tests/visibility/trees_fixture.h"
 #include "visibility/pairs/pairs.h"

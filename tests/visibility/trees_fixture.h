@@ -3,7 +3,7 @@
 #define TESTS_TREES_FIXTURE_H
 
 #include "engine/core/memory.h"
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 #include "tests/support/support.h"
 #include "visibility/pairs/pairs.h"
 

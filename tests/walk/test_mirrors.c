@@ -5,7 +5,7 @@
 #include "engine/walk/verify.h"
 #include "tests/draw/renderer_fixture.h"
 #include "tests/maps/plan_fixture.h"
-#include "tests/support/hidden_excuse.h"
+#include "tests/support/oracles/hidden_excuse.h"
 #include "tests/support/support.h"
 #include "tests/walk/walk_fixture.h"
 #include "visibility/rays/ray_surfaces.h"

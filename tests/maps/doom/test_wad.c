@@ -3,7 +3,7 @@
 
 #include "tests/maps/doom/wad_fixture.h"
 #include "tests/support/fixture.h"
-#include "tests/support/wad_builder.h"
+#include "tests/support/files/wad_builder.h"
 
 // ---- the small map
 

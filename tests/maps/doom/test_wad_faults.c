@@ -4,7 +4,7 @@
 #include "maps/maps.h"
 #include "tests/maps/doom/wad_fixture.h"
 #include "tests/support/support.h"
-#include "tests/support/wad_builder.h"
+#include "tests/support/files/wad_builder.h"
 
 extern const MapsReader MAPS_READER_WAD;
 

@@ -5,7 +5,7 @@
 
 #include "maps/maps.h"
 #include "tests/maps/doom/wad_fixture.h"
-#include "tests/support/soups.h"
+#include "tests/support/files/soups.h"
 
 static Bytes two_rooms_with_pictures(Arena *arena) {
     static const char *const NAMES[] = {"MAP01"};

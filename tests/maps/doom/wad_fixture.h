@@ -4,7 +4,7 @@
 
 #include "engine/sim/doors.h"
 #include "tests/support/support.h"
-#include "tests/support/wad_builder.h"
+#include "tests/support/files/wad_builder.h"
 
 static const double UNIT = 0.031;  // metres a map unit
 

@@ -5,7 +5,7 @@
 
 #include "engine/core/random.h"
 #include "maps/photometry/photometry_file.h"
-#include "tests/support/tables.h"
+#include "tests/support/files/tables.h"
 
 static bool read_text(Arena *arena, const char *name, const char *text, Photometry *out, Error *error) {
     char *copy = arena_string(arena, text);

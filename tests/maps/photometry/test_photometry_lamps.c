@@ -7,7 +7,7 @@
 #include "maps/maps.h"
 #include "maps/photometry/photometry_file.h"
 #include "tests/support/support.h"
-#include "tests/support/tables.h"
+#include "tests/support/files/tables.h"
 
 // Exitances and fluxes are floats.
 static const double FLOAT = 2e-7;

@@ -2,8 +2,8 @@
 #include <criterion/criterion.h>
 #include <string.h>
 
-#include "tests/support/home_fixture.h"
-#include "tests/support/soups.h"
+#include "tests/support/files/home_fixture.h"
+#include "tests/support/files/soups.h"
 #include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_FOREIGN;

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "engine/core/text.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/files/gltf_fixture.h"
 #include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_GLTF;

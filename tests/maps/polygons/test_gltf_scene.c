@@ -2,7 +2,7 @@
 #include <criterion/criterion.h>
 
 #include "engine/core/text.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/files/gltf_fixture.h"
 #include "tests/support/support.h"
 
 // ---- the scene

@@ -3,7 +3,7 @@
 #include <string.h>
 #include <webp/encode.h>
 
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/files/gltf_fixture.h"
 #include "tests/support/support.h"
 
 // A floor of 4 m x 2 m of two triangles, y up, with two sets of places in pictures.

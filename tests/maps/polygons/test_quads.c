@@ -2,7 +2,7 @@
 #include <criterion/criterion.h>
 #include <stdio.h>
 
-#include "tests/support/soups.h"
+#include "tests/support/files/soups.h"
 #include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_QUADS;

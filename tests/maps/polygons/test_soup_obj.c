@@ -6,7 +6,7 @@
 #include "engine/core/random.h"
 #include "engine/core/text.h"
 #include "maps/polygons/soup_readers.h"
-#include "tests/support/soups.h"
+#include "tests/support/files/soups.h"
 #include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_OBJ, MAPS_READER_QUADS;

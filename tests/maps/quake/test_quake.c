@@ -6,7 +6,7 @@
 #include "engine/core/polygon.h"
 #include "engine/core/random.h"
 #include "maps/maps.h"
-#include "tests/support/quake_builder.h"
+#include "tests/support/files/quake_builder.h"
 #include "tests/support/support.h"
 
 static void read_built(Arena *arena, const QuakeBuilt *built, QuakeLevel *level) {

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "maps/quake/quake.h"
-#include "tests/support/quake_builder.h"
+#include "tests/support/files/quake_builder.h"
 #include "tests/support/support.h"
 
 // Reads, finds cells, reads rows, writes rows, as far as that goes; returns whether all went well. Without a sentence nothing may fail.

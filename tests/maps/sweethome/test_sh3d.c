@@ -6,7 +6,7 @@
 #include "maps/maps.h"
 #include "maps/sweethome/sh3d.h"
 #include "tests/maps/sweethome/sh3d_fixture.h"
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 
 extern const MapsReader MAPS_READER_SH3D;
 

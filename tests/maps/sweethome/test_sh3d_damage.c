@@ -5,7 +5,7 @@
 
 #include "engine/core/random.h"
 #include "maps/maps.h"
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 #include "tests/support/support.h"
 
 // A home with a door, a model with its library, and a stair, as a small file to spoil.

@@ -6,7 +6,7 @@
 
 #include "engine/core/random.h"
 #include "maps/maps.h"
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 
 extern const MapsReader MAPS_READER_SH3D;
 

@@ -5,7 +5,7 @@
 
 #include "engine/core/random.h"
 #include "tests/maps/sweethome/sh3d_fixture.h"
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 
 #define assert_vec3(p, X, Y, Z)                                                                              \
     cr_assert(fabs((p).x - (X)) < CLOSE && fabs((p).y - (Y)) < CLOSE && fabs((p).z - (Z)) < CLOSE,           \

@@ -5,7 +5,7 @@
 
 #include "maps/sweethome/sh3d.h"
 #include "tests/maps/sweethome/sh3d_fixture.h"
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 
 // ---- openings
 

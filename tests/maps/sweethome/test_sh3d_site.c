@@ -5,7 +5,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 
 #define COMPASS(attributes) "<compass x='0' y='0' diameter='100' " attributes "/>"
 #define CAMERA(time)                                                                                         \

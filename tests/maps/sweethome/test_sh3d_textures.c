@@ -12,7 +12,7 @@
 #include "maps/building/texture.h"
 #include "maps/maps.h"
 #include "tests/maps/sweethome/corners.h"
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 #include "tests/support/support.h"
 
 enum { KINDS = 5 };

@@ -1,8 +1,8 @@
 // test_hidden.c - the item-buffer methods against each other, and against Embree.
 #include <criterion/criterion.h>
 
-#include "tests/support/hidden_scenes.h"
-#include "tests/support/ray_scene.h"
+#include "tests/support/oracles/hidden_scenes.h"
+#include "tests/support/oracles/ray_scene.h"
 #include "visibility/hidden/hidden.h"
 
 #define PI 3.14159265358979323846

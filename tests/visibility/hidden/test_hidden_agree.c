@@ -4,9 +4,9 @@
 #include <stdio.h>
 
 #include "maps/maps.h"
-#include "tests/support/hidden_excuse.h"
-#include "tests/support/hidden_scenes.h"
-#include "tests/support/ray_scene.h"
+#include "tests/support/oracles/hidden_excuse.h"
+#include "tests/support/oracles/hidden_scenes.h"
+#include "tests/support/oracles/ray_scene.h"
 #include "tests/support/soup_fixture.h"
 #include "tests/support/support.h"
 

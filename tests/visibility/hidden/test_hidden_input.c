@@ -2,7 +2,7 @@
 #include <criterion/criterion.h>
 #include <stdlib.h>
 
-#include "tests/support/hidden_scenes.h"
+#include "tests/support/oracles/hidden_scenes.h"
 #include "tests/support/support.h"
 
 enum { WIDE = 64, HIGH = 48 };

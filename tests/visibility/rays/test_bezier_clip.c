@@ -4,7 +4,7 @@
 
 #include "engine/bench/ray_patches.h"
 #include "engine/core/random.h"
-#include "tests/support/patch_oracle.h"
+#include "tests/support/oracles/patch_oracle.h"
 #include "tests/support/support.h"
 #include "visibility/rays/curved_rays.h"
 

@@ -1,5 +1,5 @@
 // hostile.c - see hostile.h. Numbers are of few digits, so that files are small for what they ask.
-#include "tests/support/hostile.h"
+#include "tests/support/files/hostile.h"
 
 #include <errno.h>
 #include <math.h>

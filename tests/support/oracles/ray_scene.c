@@ -4,7 +4,7 @@
 // A ray is inside a polygon when it lies on one side of all its edges' great circles, dot(v_i x v_i+1, ray), with v
 // relative to the eye, or on one within rounding: no ray slips through a shared edge or vertex. Nothing here knows of
 // pictures and their lines: it is what these are held against.
-#include "tests/support/ray_scene.h"
+#include "tests/support/oracles/ray_scene.h"
 
 #include "visibility/hidden/depth.h"
 #include "visibility/hidden/ray_tree.h"

@@ -1,5 +1,5 @@
 // quake_builder.c - see quake_builder.h. Space is cut along the faces of the boxes until each piece is in one box or in none.
-#include "tests/support/quake_builder.h"
+#include "tests/support/files/quake_builder.h"
 
 #include <stdlib.h>
 

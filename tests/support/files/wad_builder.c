@@ -1,5 +1,5 @@
 // wad_builder.c - see wad_builder.h.
-#include "tests/support/wad_builder.h"
+#include "tests/support/files/wad_builder.h"
 
 #include <string.h>
 

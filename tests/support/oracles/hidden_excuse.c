@@ -1,5 +1,5 @@
 // hidden_excuse.c - distances from projected edges and lines of intersection, in long doubles.
-#include "tests/support/hidden_excuse.h"
+#include "tests/support/oracles/hidden_excuse.h"
 
 #include <criterion/criterion.h>
 

@@ -1,5 +1,5 @@
 // patch_oracle.c - all hits of a ray with a patch, from a dense grid and Newton's steps in long doubles.
-#include "tests/support/patch_oracle.h"
+#include "tests/support/oracles/patch_oracle.h"
 
 // Cells are looked at as if they were so large, in halves of them, for what bends between their corners.
 #define GROWN 2.0

@@ -1,5 +1,5 @@
 // tables.c - intensities by formula, and files of them.
-#include "tests/support/tables.h"
+#include "tests/support/files/tables.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef TESTS_GLTF_FIXTURE_H
 #define TESTS_GLTF_FIXTURE_H
 
-#include "tests/support/soups.h"
+#include "tests/support/files/soups.h"
 
 // The room of soups.h, y up: 8 positions in single precision, then 36 indices of u16.
 enum { GLTF_POSITIONS = 96, GLTF_INDICES = 72, GLTF_BYTES = GLTF_POSITIONS + GLTF_INDICES };

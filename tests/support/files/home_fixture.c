@@ -1,5 +1,5 @@
 // home_fixture.c - see home_fixture.h.
-#include "tests/support/home_fixture.h"
+#include "tests/support/files/home_fixture.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 // hidden_scenes.c - random polygons of the kinds that hidden-surface methods are known to fail on.
-#include "tests/support/hidden_scenes.h"
+#include "tests/support/oracles/hidden_scenes.h"
 
 #define PI 3.14159265358979323846
 

@@ -1,5 +1,5 @@
 // soups.c - see soups.h.
-#include "tests/support/soups.h"
+#include "tests/support/files/soups.h"
 
 #include <criterion/criterion.h>
 

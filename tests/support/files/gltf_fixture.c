@@ -1,5 +1,5 @@
 // gltf_fixture.c - glTF documents of one room.
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/files/gltf_fixture.h"
 
 extern const MapsReader MAPS_READER_GLTF;
 

@@ -62,7 +62,7 @@ static size_t put(char *at, const void *data, size_t size) {
     return size;
 }
 
-static size_t pack(const Team *team, int rank, char *out) {
+static size_t pack_letters(const Team *team, int rank, char *out) {
     size_t size = 0;
     int first = first_of_rank(team->count, rank), end = first_of_rank(team->count, rank + 1);
     for (int from = team->first; from < team->end; from++) {
@@ -102,9 +102,9 @@ static void carry_letters(Team *team) {
     for (int step = 1; step < ranks; step++) {
         Arena scratch = {0};
         int to = (own + step) % ranks, from = (own + ranks - step) % ranks;
-        size_t size = pack(team, to, NULL), received;
+        size_t size = pack_letters(team, to, NULL), received;
         char *out = arena_alloc(&scratch, size + 1, 1);
-        pack(team, to, out);
+        pack_letters(team, to, out);
         char *in = ranks_swap(to, out, size, from, &scratch, &received);
         team->sent += (long long)size;
         unpack(team, from, in);

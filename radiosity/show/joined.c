@@ -31,7 +31,7 @@ typedef struct Packed {
     int size, capacity;
 } Packed;
 
-static void pack(Arena *arena, Packed *out, const void *data, size_t size) {
+static void append(Arena *arena, Packed *out, const void *data, size_t size) {
     out->data = arena_room(arena, out->data, 1, out->size, out->size + (int)size, &out->capacity);
     if (size > 0) memcpy(out->data + out->size, data, size);
     out->size += (int)size;
@@ -42,13 +42,13 @@ typedef struct Doubles {
     int count, capacity;
 } Doubles;
 
-static void push(Arena *arena, Doubles *d, double value) {
+static void add_double(Arena *arena, Doubles *d, double value) {
     *ARENA_PUSH(arena, d->at, d->count, d->capacity) = value;
 }
 
 static void push_light(Arena *arena, Doubles *d, double (*value)[3], int first, int count) {
     for (int i = first; i < first + count; i++)
-        for (int c = 0; c < 3; c++) push(arena, d, value[i][c]);
+        for (int c = 0; c < 3; c++) add_double(arena, d, value[i][c]);
 }
 
 static void push_corners(Arena *arena, Doubles *d, const Mesh *shown, int face, const Nodes *nodes,
@@ -56,7 +56,7 @@ static void push_corners(Arena *arena, Doubles *d, const Mesh *shown, int face, 
     const Face *f = &shown->faces[face];
     for (int e = f->first_element; e < f->first_element + f->element_count; e++) {
         const Element *element = &shown->elements[e];
-        push(arena, d, element->corner_count);
+        add_double(arena, d, element->corner_count);
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
             push_light(arena, d, s->node, nodes->of_corner[c], 1);
             push_light(arena, d, s->rest, nodes->of_corner[c], 1);
@@ -68,7 +68,7 @@ static void pack_bits(Arena *arena, Packed *out, const MeshSplits *splits, int f
                       Arena *scratch) {
     unsigned char *bits = arena_alloc(scratch, bit_bytes(count) + 1, 1);
     if (count > 0) border_copy_bits(splits->bits, first, bits, 0, count);
-    pack(arena, out, bits, bit_bytes(count));
+    append(arena, out, bits, bit_bytes(count));
 }
 
 bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
@@ -93,7 +93,7 @@ bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *doo
                      .nodes = nodes_known,
                      .sums = *solution};
     for (int f = 0; f < mesh->face_count; f++) head.face_count += mesh_owns(mesh, f);
-    pack(arena, &all, &head, sizeof head);
+    append(arena, &all, &head, sizeof head);
     for (int f = 0; f < mesh->face_count; f++) {
         const Face *face = &mesh->faces[f];
         Arena own = {0};
@@ -106,10 +106,10 @@ bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *doo
         if (nodes_known) push_corners(&own, &d, &shown, f, &nodes, solution);
         FaceRecord record = {titles[f], bit ? bit[f + 1] - bit[f] : 0,
                              shown_bit ? shown_bit[f + 1] - shown_bit[f] : 0, d.count};
-        pack(arena, &all, &record, sizeof record);
+        append(arena, &all, &record, sizeof record);
         if (bit) pack_bits(arena, &all, splits, bit[f], record.bits, &own);
         if (shown_bit) pack_bits(arena, &all, finer, shown_bit[f], record.shown_bits, &own);
-        pack(arena, &all, d.at, (size_t)d.count * sizeof *d.at);
+        append(arena, &all, d.at, (size_t)d.count * sizeof *d.at);
         arena_free(&own);
     }
     *out = (TeamBytes){all.data, (size_t)all.size};

@@ -15,9 +15,9 @@
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/reconstruct.h"
 #include "tests/fuzz/target.h"
-#include "tests/support/fixture.h"
 #include "tests/support/files/home_fixture.h"
 #include "tests/support/files/wad_builder.h"
+#include "tests/support/fixture.h"
 #include "visibility/pairs/pairs.h"
 
 // Beyond these an input would take longer than many small ones, which find more.

@@ -7,8 +7,8 @@
 #include "engine/core/polygon.h"
 #include "maps/maps.h"
 #include "tests/support/files/hostile.h"
-#include "tests/support/support.h"
 #include "tests/support/files/wad_builder.h"
+#include "tests/support/support.h"
 
 #define PLAN "plan 1\nmaterial m #808080\nstorey s floor 0 height 2.6\nroom r 0,0 4,0 4,3 0,3\n"
 

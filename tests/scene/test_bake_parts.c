@@ -113,7 +113,7 @@ static void check_energy(const Parted *p) {
     for (int c = 0; c < 3; c++) {
         double left = 0;
         for (int i = 0; i < p->mesh.patch_count; i++) left += s->unshot[i][c] * p->mesh.patches[i].area;
-        // What rounding takes, at each of some 100,000 shots.
+        // The roundings of some 100,000 shots.
         cr_expect_float_eq(s->absorbed[c] + s->escaped[c] + left, s->emitted[c], 1e-9 * s->emitted[c]);
     }
 }

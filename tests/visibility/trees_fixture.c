@@ -4,8 +4,8 @@
 #include <criterion/criterion.h>
 
 #include "engine/core/memory.h"
-#include "tests/support/fixture.h"
 #include "tests/support/files/hostile.h"
+#include "tests/support/fixture.h"
 #include "tests/support/support.h"
 #include "visibility/pairs/pairs.h"
 

@@ -2,8 +2,8 @@
 #include <criterion/criterion.h>
 
 #include "tests/maps/doom/wad_fixture.h"
-#include "tests/support/fixture.h"
 #include "tests/support/files/wad_builder.h"
+#include "tests/support/fixture.h"
 
 // ---- the small map
 

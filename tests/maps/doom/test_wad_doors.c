@@ -5,8 +5,8 @@
 #include "engine/tour/tour.h"
 #include "engine/walk/verify.h"
 #include "tests/maps/doom/wad_fixture.h"
-#include "tests/support/support.h"
 #include "tests/support/files/wad_builder.h"
+#include "tests/support/support.h"
 
 static int opening_named(const Building *b, const char *name) {
     for (int i = 0; i < b->opening_count; i++) {

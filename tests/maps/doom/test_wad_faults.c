@@ -3,8 +3,8 @@
 
 #include "maps/maps.h"
 #include "tests/maps/doom/wad_fixture.h"
-#include "tests/support/support.h"
 #include "tests/support/files/wad_builder.h"
+#include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_WAD;
 

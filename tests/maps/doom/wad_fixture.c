@@ -6,9 +6,9 @@
 
 #include "engine/sim/doors.h"
 #include "maps/maps.h"
+#include "tests/support/files/wad_builder.h"
 #include "tests/support/fixture.h"
 #include "tests/support/support.h"
-#include "tests/support/files/wad_builder.h"
 
 const char *wad_write_wad(Arena *arena, Bytes file) {
     Error error;

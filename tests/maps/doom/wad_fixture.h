@@ -3,8 +3,8 @@
 #define TESTS_WAD_FIXTURE_H
 
 #include "engine/sim/doors.h"
-#include "tests/support/support.h"
 #include "tests/support/files/wad_builder.h"
+#include "tests/support/support.h"
 
 static const double UNIT = 0.031;  // metres a map unit
 

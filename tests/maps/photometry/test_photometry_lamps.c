@@ -6,8 +6,8 @@
 #include "maps/building/lamp_faces.h"
 #include "maps/maps.h"
 #include "maps/photometry/photometry_file.h"
-#include "tests/support/support.h"
 #include "tests/support/files/tables.h"
+#include "tests/support/support.h"
 
 // Exitances and fluxes are floats.
 static const double FLOAT = 2e-7;

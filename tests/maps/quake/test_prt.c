@@ -5,8 +5,8 @@
 
 #include "engine/core/polygon.h"
 #include "maps/quake/prt.h"
-#include "tests/support/prt_scene.h"
 #include "tests/support/files/soups.h"
+#include "tests/support/prt_scene.h"
 #include "tests/support/support.h"
 
 extern const MapsReader MAPS_READER_PRT;

@@ -92,7 +92,7 @@ Test(covered_centres, faint_lamp_is_cut) {
     MeshOptions options = {.element = 0.2, .per_patch = 2, .close = 0.05};
     AdaptOptions adapt = adapt_default_options();
     RadOptions rad = rad_default_options();
-    AdaptScene scene = {&lit->graph, &lit->forest, NULL};
+    AdaptScene scene = {&lit->graph, &lit->forest, NULL, NULL};
     Error error = {""};
     cr_assert(adapt_mesh(&scene, &options, &adapt, &rad, NULL, &lit->arena, &lit->mesh, &error), "%s",
               error.text);

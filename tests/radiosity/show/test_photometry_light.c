@@ -8,8 +8,8 @@
 #include "radiosity/show/gather.h"
 #include "radiosity/truth/path_tracer.h"
 #include "tests/support/baked_fixture.h"
-#include "tests/support/support.h"
 #include "tests/support/files/tables.h"
+#include "tests/support/support.h"
 
 // The lamp hangs here, turned; its sides leave 2.5 mm below and above.
 static const Vec3 LAMP = {2.6, 2.3, 2.0};

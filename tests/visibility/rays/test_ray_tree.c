@@ -5,8 +5,8 @@
 
 #include "radiosity/methods/ray_caster.h"
 #include "tests/support/fixture.h"
-#include "tests/support/oracles/hidden_scenes.h"
 #include "tests/support/lit_fixture.h"
+#include "tests/support/oracles/hidden_scenes.h"
 #include "tests/support/soup_fixture.h"
 #include "visibility/rays/ray_surfaces.h"
 

@@ -56,8 +56,8 @@ expect 0 "$program" walk $maps/two-rooms.plan --light "$work/parts.rad" --offscr
 bake 2 -o "$work/parts.rad" --parts 2 --resume && says err 'light that is found in parts has no --resume'
 bake 2 -o "$work/parts.rad" --parts 0 && says err 'parts'
 # Of a program without MPI mpirun may start one process, not several.
-OMPI_COMM_WORLD_SIZE=2 bake 2 -o "$work/x.rad" && says err 'make mpi=1'
-[ ! -e "$work/x.rad" ] || fail 'a file of light by one of several processes'
+OMPI_COMM_WORLD_SIZE=2 bake 2 -o "$work/of-two.rad" && says err 'make mpi=1'
+[ ! -e "$work/of-two.rad" ] || fail "a file of light by one of several processes"
 # A model beside the light or instead of it; whole or not at all.
 bake 0 -o "$work/both.rad" -o "$work/both.GLB" && says out 'model  *.*both.GLB'
 same "$work/both.rad" "$work/1.rad" 'a model changes the light'

@@ -125,21 +125,24 @@ static void check_light(bool day) {
     RadSolution whole = whole_light(p);
     check_energy(p);
     double elements = apart(p, whole.radiosity, p->light.radiosity);
-    double sum[2] = {0, 0};
+    double *off = ARENA_ARRAY(&p->arena, double, whole.node_count), mean = 0;
     cr_assert_eq(whole.node_count, p->light.node_count);
     for (int n = 0; n < whole.node_count; n++) {
-        sum[0] += fabs(rgb_sum(whole.node[n]) - rgb_sum(p->light.node[n]));
-        sum[1] += rgb_sum(whole.node[n]);
+        off[n] = fabs(rgb_sum(whole.node[n]) - rgb_sum(p->light.node[n]));
+        mean += rgb_sum(whole.node[n]) / whole.node_count;
     }
-    printf("%d parts: elements %.2g %% off at the 99th percentile, nodes %.2g %% in the mean\n",
-           p->report.parts, 100 * elements, 100 * sum[0] / sum[1]);
+    qsort(off, (size_t)whole.node_count, sizeof *off, ascending);
+    double nodes = off[(int)(0.999 * whole.node_count)] / mean;
+    printf("%d parts: elements %.2g %% off at the 99th percentile, nodes %.2g %% of the mean at the 99.9th\n",
+           p->report.parts, 100 * elements, 100 * nodes);
     cr_expect_leq(elements, 0.01);
-    cr_expect_leq(sum[0] / sum[1], 0.01);
+    cr_expect_leq(nodes, 0.01);
     end(p);
 }
 
 // Proves that light in parts is that of the whole on the same mesh: within 1 % of the mean before each element but for one in a hundred, by
-// night and by day; and that no power is lost where light passes from part to part.
+// night and by day; that what is shown is so, too, within 1 % of the mean but for one node in a thousand, since few nodes lie at borders;
+// and that no power is lost where light passes from part to part.
 Test(parts, light_is_that_of_the_whole_by_night) { check_light(false); }
 Test(parts, light_is_that_of_the_whole_by_day) { check_light(true); }
 

@@ -314,6 +314,9 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     bake->rad = a->bake.rad;
     if (!good || team_rank() > 0) return good;
     rad_fit(&bake->mesh, &bake->rad);
+    if (!bake->solution.node)
+        app_warn("the mesh that shows the light of all parts would be too large: shadows are as coarse as "
+                 "elements");
     return check_room(bake, error) && light_fine(bake, arena, error) && store(bake, error);
 }
 

@@ -209,8 +209,13 @@ static bool join_nodes(const Joined *face, const Mesh *mesh, const float *door_o
     Arena scratch = {0};
     Mesh shown = *mesh;
     bool good = !out->shown || shown_build(mesh, out->shown, door_open, &scratch, &shown, error);
-    Nodes nodes = {0};
-    if (good) nodes = nodes_of(&shown, &scratch);
+    // A finer mesh that is too large for the whole is none: light is that of the elements.
+    if (!good) {
+        out->shown = NULL;
+        arena_free(&scratch);
+        return true;
+    }
+    Nodes nodes = nodes_of(&shown, &scratch);
     bool *known = ARENA_ARRAY(&scratch, bool, nodes.count + 1);
     out->node_count = nodes.count;
     out->node = arena_alloc(arena, (size_t)nodes.count + 1, sizeof *out->node);

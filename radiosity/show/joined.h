@@ -11,7 +11,8 @@ bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *doo
                  TeamBytes *out, Error *error);
 
 // The mesh of the whole building and the light on it, from the bytes of all its parts, `part` [count]. `options` are those of the mesh.
-// Sums of power are those that every part knows. The light was not gathered. Fails where the parts do not fit together.
+// Sums of power are those that every part knows. The light was not gathered. Where the mesh that would show it is too large, it has no
+// nodes. Fails where the parts do not fit together.
 bool joined_light(const CellGraph *graph, const MeshOptions *options, const float *door_open,
                   const TeamBytes *part, int count, Arena *arena, Mesh *mesh, RadSolution *out, Error *error);
 

@@ -59,11 +59,13 @@ static bool sort_faces(Contacts *c, Arena *scratch) {
         c->boxes[f] = box_of_face(c, &mesh->faces[f]);
         all = box_union(all, c->boxes[f]);
     }
-    c->x0 = all.min.x;
-    c->y0 = all.min.y;
+    // Lines cut in the order in which faces are found, which must be the same in the meshes of all parts of a building.
+    const Vec3 corner = mesh->options.part ? mesh->graph->box.min : all.min;
+    c->x0 = corner.x;
+    c->y0 = corner.y;
     const double most = 1000;
-    c->nx = (int)fmin(most, (all.max.x - all.min.x) / SIDE + 1);
-    c->ny = (int)fmin(most, (all.max.y - all.min.y) / SIDE + 1);
+    c->nx = (int)fmax(fmin(most, (all.max.x - c->x0) / SIDE + 1), 1);
+    c->ny = (int)fmax(fmin(most, (all.max.y - c->y0) / SIDE + 1), 1);
     double entries = 0;
     for (int f = 0; f < mesh->face_count; f++) {
         Range r = range_of(c, &c->boxes[f]);

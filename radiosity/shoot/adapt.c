@@ -707,6 +707,13 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
             limit(last && !lamp ? square - above[!is_surface(mesh, e)]
                                 : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
+    // Other parts know best what covers the patches of their faces.
+    if (a->scene->member) {
+        Error error;
+        Borders *borders = borders_new(mesh, a->scene->member, &a->scratch, &error);
+        if (borders) borders_fetch(borders, BORDER_ELEMENT, patch, sizeof *patch);
+        if (borders) borders_fetch(borders, BORDER_ELEMENT, element, sizeof *element);
+    }
     return mesh_splits(mesh, patch, element, arena);
 }
 

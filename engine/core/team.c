@@ -52,10 +52,6 @@ static TeamBytes letter_of(const Seat *from, int to) {
 }
 
 // Letters to another process: each with its size before it, by senders and then by receivers; one letter where all get the same.
-typedef struct Parcel {
-    char *data;
-    size_t size;
-} Parcel;
 
 static size_t put(char *at, const void *data, size_t size) {
     if (at && size > 0) memcpy(at, data, size);

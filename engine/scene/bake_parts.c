@@ -1,6 +1,8 @@
 // bake_parts.c - each member of the team makes the mesh of its part and finds the light there; the first one joins all light.
 #include "engine/scene/bake_parts.h"
 
+#include <string.h>
+
 #include "engine/scene/door_state.h"
 #include "radiosity/mesh/parts.h"
 #include "radiosity/shoot/sky.h"
@@ -16,7 +18,7 @@ typedef struct PartsBake {
     Arena *arena;             // of what the first member keeps
     const TeamBytes *letter;  // [parts] to the first member
     bool good;
-    Error error;  // the first of this process
+    Error error;
 } PartsBake;
 
 int bake_parts_cells(const CellGraph *graph) {
@@ -26,14 +28,43 @@ int bake_parts_cells(const CellGraph *graph) {
                                       : cells;
 }
 
-// Did all members do it? The sentence of a member that did not is kept.
+// Did all members do it? Else all keep the first sentence of one that did not; who only heard of it says `stopped`.
 static bool all_did(PartsBake *b, TeamMember *member, bool good, const Error *error) {
-    if (!good && b->good) b->error = *error;
-    if (!good) b->good = false;
-    if (!team_any(member, !good)) return true;
-    if (b->good) error_set(&b->error, "%s", "stopped");
-    b->good = false;
-    return false;
+    Arena scratch = {0};
+    const char *own = good ? "" : error->text, *sentence = NULL;
+    const TeamBytes *said = team_collect(member, own, strlen(own) + 1, &scratch);
+    for (int m = 0; m < team_count(member); m++) {
+        const char *text = said[m].data;
+        if (*text && (!sentence || strcmp(sentence, "stopped") == 0)) sentence = text;
+    }
+    if (sentence) error_set(&b->error, "%s", sentence);
+    b->good = !sentence;
+    arena_free(&scratch);
+    return b->good;
+}
+
+// The work of all members.
+static RadReport add_work(TeamMember *member, RadReport r) {
+    double sums[] = {(double)r.rows_made,
+                     (double)r.rows_kept,
+                     (double)r.row_bytes,
+                     (double)r.direct_points,
+                     (double)r.direct_pairs,
+                     (double)r.direct_cut,
+                     r.seconds_visibility,
+                     r.faces_drawn_mean * (double)r.rows_made,
+                     r.elements_drawn_mean * (double)r.rows_made};
+    team_sum(member, sums, sizeof sums / sizeof *sums);
+    r.rows_made = (long long)sums[0];
+    r.rows_kept = (long long)sums[1];
+    r.row_bytes = (size_t)sums[2];
+    r.direct_points = (long long)sums[3];
+    r.direct_pairs = (long long)sums[4];
+    r.direct_cut = (long long)sums[5];
+    r.seconds_visibility = sums[6];
+    r.faces_drawn_mean = sums[7] / fmax(sums[0], 1);
+    r.elements_drawn_mean = sums[8] / fmax(sums[0], 1);
+    return r;
 }
 
 // As fits the mesh of the whole; rows have their part of the memory.
@@ -113,10 +144,8 @@ static void bake_part(void *context, TeamMember *member) {
         TeamBytes *to = ARENA_ARRAY(&arena, TeamBytes, team_count(member));
         to[0] = letter;
         const TeamBytes *from = team_exchange(member, to, first ? b->arena : &arena);
-        if (first) {
-            b->letter = from;
-            b->report->rad = report;
-        }
+        if (first) b->letter = from;
+        b->report->rad = add_work(member, report);
     }
     b->report->sent_mb = (double)team_sent(member) / 1e6;
     arena_free(&arena);

@@ -12,7 +12,7 @@ int bake_parts_cells(const CellGraph *graph);
 // The work of a bake in parts.
 typedef struct PartsReport {
     int parts, ranks;
-    RadReport rad;  // residual, shots and what was stopped are of all parts, rows of those of this process
+    RadReport rad;  // of all parts
     double
         elements_share;  // elements of all meshes, those of others that parts see included, over the elements of the whole
     double sent_mb;  // by this process to others

@@ -89,8 +89,8 @@ Borders *borders_new(const Mesh *mesh, TeamMember *member, Arena *arena, Error *
 // The values of a face: from `first` on, `count` of them.
 static void values_of(const Mesh *mesh, int face, BorderUnit unit, int *first, int *count) {
     const Face *f = &mesh->faces[face];
-    *first = unit == BORDER_FACE ? face : unit == BORDER_PATCH ? f->first_patch : f->first_element;
-    *count = unit == BORDER_FACE ? 1 : unit == BORDER_PATCH ? f->patch_count : f->element_count;
+    *first = unit == BORDER_PATCH ? f->first_patch : f->first_element;
+    *count = unit == BORDER_PATCH ? f->patch_count : f->element_count;
 }
 
 static size_t count_values(const Mesh *mesh, const FaceSet *set, BorderUnit unit) {

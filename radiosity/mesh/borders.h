@@ -24,8 +24,8 @@ int border_compare(const FaceTitle *a, const FaceTitle *b);
 Borders *borders_new(const Mesh *mesh, TeamMember *member, Arena *arena, Error *error);
 TeamMember *borders_member(const Borders *borders);
 
-// An array with a value of `size` bytes for each face, patch or element of the mesh.
-typedef enum BorderUnit { BORDER_FACE, BORDER_PATCH, BORDER_ELEMENT } BorderUnit;
+// An array with a value of `size` bytes for each patch or element of the mesh.
+typedef enum BorderUnit { BORDER_PATCH, BORDER_ELEMENT } BorderUnit;
 // Faces of others get the values that their owners have.
 void borders_fetch(const Borders *borders, BorderUnit unit, void *value, size_t size);
 // Vectors on faces of others are added to those of their owners, part after part, and become 0.

@@ -477,6 +477,7 @@ typedef struct Adapt {
     int above;          // in ABOVE
     double *lamps;  // [element_count] of the light of lamps, sun and sky alone, on the mesh at hand, W/m^2
     double *exact;  // [element_count] the part of `lamps` that comes from lamps and the sun
+    const Borders *borders;  // of the mesh at hand, if it is of a part of the building
 } Adapt;
 
 // Sums of a part of the building become those of the whole.
@@ -533,6 +534,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     // A mesh that depended on where a run was broken off would not be the same when it is resumed.
     options.shots = 0;
     double size = fmax(1, a->scene->graph->building->file_size / SMALL_FILE);
+    options.borders = a->borders;
     options.looks = (lamps_only ? LAMP_LOOKS : FIRST_LOOKS) * size * size;
     options.lamps_only = lamps_only;
     options.gather = false;
@@ -544,10 +546,6 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;
     bool good = all_good(a, rad_start_dark(mesh, &arena, &solution, error), error);
-    if (good && a->scene->member) {
-        options.borders = borders_new(mesh, a->scene->member, &arena, error);
-        good = options.borders != NULL;
-    }
     if (good && daylight_shines(&a->options->day) &&
         !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, &a->options->day, a->progress,
                    &solution))
@@ -565,6 +563,13 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
 }
 
 // ---- rounds
+
+// The mesh that light is found on next.
+static bool take_mesh(Adapt *a, const Mesh *mesh, Error *error) {
+    if (!a->scene->member) return true;
+    a->borders = borders_new(mesh, a->scene->member, &a->scratch, error);
+    return a->borders != NULL;
+}
 
 static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     return all_good(a, mesh_build(a->scene->graph, a->scene->door_open, options, arena, out, error), error);
@@ -598,7 +603,8 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     rough.splits = &ONCE;
     rough.close = 0;
     rough.loose = true;
-    if (!build_adapted(a, &rough, &a->scratch, &a->rough, error)) return false;
+    if (!build_adapted(a, &rough, &a->scratch, &a->rough, error) || !take_mesh(a, &a->rough, error))
+        return false;
     int count = a->rough.element_count;
     double sums[2] = {0, 0};
     a->lamps = ARENA_ARRAY(&a->scratch, double, count);
@@ -708,11 +714,9 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
                                 : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
     // Other parts know best what covers the patches of their faces.
-    if (a->scene->member) {
-        Error error;
-        Borders *borders = borders_new(mesh, a->scene->member, &a->scratch, &error);
-        if (borders) borders_fetch(borders, BORDER_ELEMENT, patch, sizeof *patch);
-        if (borders) borders_fetch(borders, BORDER_ELEMENT, element, sizeof *element);
+    if (a->borders) {
+        borders_fetch(a->borders, BORDER_ELEMENT, patch, sizeof *patch);
+        borders_fetch(a->borders, BORDER_ELEMENT, element, sizeof *element);
     }
     return mesh_splits(mesh, patch, element, arena);
 }
@@ -737,7 +741,7 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         finer.close = 0;
         finer.loose = true;
         finer.splits = split(a, mesh, false, &a->scratch);
-        if (!build_adapted(a, &finer, &a->scratch, next, error)) return false;
+        if (!build_adapted(a, &finer, &a->scratch, next, error) || !take_mesh(a, next, error)) return false;
         mesh = next;
         a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
         a->exact = ARENA_ARRAY(&a->scratch, double, mesh->element_count);

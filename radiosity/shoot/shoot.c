@@ -631,38 +631,42 @@ static void shoot_next(Shooter *s, const Mesh *mesh, int patch) {
     shoot_rows_shot(s->rows, patch);
 }
 
+// Are so many faces before the patches that shot, this one included, as options->looks allows?
+static bool may_look(Shooter *s, int patch) {
+    const double most = s->options->looks;
+    return most <= 0 || (s->looks.spent += looks_of(&s->looks, patch)) <= most;
+}
+
+// Shoots patches of at least such a power, W, until no more than `goal` W are left. False: no more may be looked at.
+static bool shoot_round(Shooter *s, const Mesh *mesh, double least, double goal) {
+    int patch;
+    while ((patch = shoot_queue_top(&s->queue)) >= 0 && s->queue.power[patch] >= least && s->left > goal) {
+        if (!may_look(s, patch)) return false;
+        shoot_next(s, mesh, patch);
+    }
+    return true;
+}
+
 // Returns whether progress asked to stop.
 static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) {
     TeamMember *member = borders_member(s->options->borders);
     double sums[2] = {rgb_sum(s->solution->emitted), rgb_sum(s->solution->outdoors)}, most;
     team_sum(member, sums, 2);
     s->residual = 1;
-    while (s->lamps_left > 0) {
-        int patch = shoot_queue_top(&s->queue);
-        if (s->options->looks > 0 && (s->looks.spent += looks_of(&s->looks, patch)) > s->options->looks)
-            break;
+    for (int patch; s->lamps_left > 0 && may_look(s, patch = shoot_queue_top(&s->queue));)
         shoot_next(s, mesh, patch);
-    }
     s->lamps_left = 0;
     bring(s);
     queue_reflected(s, mesh);
     if (s->options->lamps_only) return false;
-    for (bool stopped = false;;) {
+    for (bool over = false;;) {
         s->residual = share_left(s, sums[0], sums[1], &most);
-        stopped = team_any(member, !report_residual(s, progress));
-        if (stopped || s->residual <= s->options->residual || !(most > 0)) return stopped;
-        double least = ROUND * most, goal = s->left * s->options->residual / s->residual;
-        int patch;
-        while ((patch = shoot_queue_top(&s->queue)) >= 0 && s->queue.power[patch] >= least &&
-               s->left > goal) {
-            if (s->options->looks > 0 && s->looks.spent > s->options->looks) break;
-            if (s->options->looks > 0) s->looks.spent += looks_of(&s->looks, patch);
-            shoot_next(s, mesh, patch);
-        }
-        bool over = s->options->looks > 0 && s->looks.spent > s->options->looks;
+        bool stopped = team_any(member, !report_residual(s, progress));
+        if (stopped || over || s->residual <= s->options->residual || !(most > 0)) return stopped;
+        bool on = shoot_round(s, mesh, ROUND * most, s->left * s->options->residual / s->residual);
+        over = team_any(member, !on);
         bring(s);
         queue_unshot(s, mesh);
-        if (s->options->looks > 0 && team_any(member, over)) return false;
     }
 }
 
@@ -696,7 +700,7 @@ static bool shoot_whole(Shooter *s, const Mesh *mesh, long long first, const Pro
         }
         int patch = strongest(s);
         if (patch < 0) break;
-        if (options->looks > 0 && (s->looks.spent += looks_of(&s->looks, patch)) > options->looks) break;
+        if (!may_look(s, patch)) break;
         shoot_next(s, mesh, patch);
     }
     return false;

@@ -14,7 +14,9 @@
 typedef struct PartHead {
     int face_count, splits_even, shown_even;
     bool splits, shown, nodes;
-    RadSolution sums;  // but for arrays
+    double emitted[3], absorbed[3], escaped[3], outdoors[3];
+    Daylight day;
+    long long shots;
 } PartHead;
 
 typedef struct FaceRecord {
@@ -91,7 +93,12 @@ bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *doo
                      .splits = splits != NULL,
                      .shown = finer != NULL,
                      .nodes = nodes_known,
-                     .sums = *solution};
+                     .day = solution->day,
+                     .shots = solution->shots};
+    memcpy(head.emitted, solution->emitted, sizeof head.emitted);
+    memcpy(head.absorbed, solution->absorbed, sizeof head.absorbed);
+    memcpy(head.escaped, solution->escaped, sizeof head.escaped);
+    memcpy(head.outdoors, solution->outdoors, sizeof head.outdoors);
     for (int f = 0; f < mesh->face_count; f++) head.face_count += mesh_owns(mesh, f);
     append(arena, &all, &head, sizeof head);
     for (int f = 0; f < mesh->face_count; f++) {
@@ -249,18 +256,14 @@ bool joined_light(const CellGraph *graph, const MeshOptions *options, const floa
     if (good && !same)
         good =
             error_set(error, "%s: parts do not agree on the elements of the whole", graph->building->source);
-    if (good && rad_start_dark(mesh, arena, out, error)) {
-        RadSolution lit = *out;
-        *out = head.sums;
-        out->element_count = lit.element_count;
-        out->patch_count = lit.patch_count;
-        out->radiosity = lit.radiosity, out->direct = lit.direct, out->daylight = lit.daylight;
-        out->unshot = lit.unshot, out->shot = lit.shot, out->reflected = lit.reflected, out->sun = lit.sun;
-        out->sent = lit.sent, out->strong = lit.strong, out->close = lit.close, out->noise = lit.noise;
-        out->gathered = false;
-        out->node = out->rest = NULL;
-        out->node_count = 0;
-        out->lit = NULL;
+    good = good && rad_start_dark(mesh, arena, out, error);
+    if (good) {
+        memcpy(out->emitted, head.emitted, sizeof head.emitted);
+        memcpy(out->absorbed, head.absorbed, sizeof head.absorbed);
+        memcpy(out->escaped, head.escaped, sizeof head.escaped);
+        memcpy(out->outdoors, head.outdoors, sizeof head.outdoors);
+        out->day = head.day;
+        out->shots = head.shots;
         out->shown = head.shown ? join_splits(face, faces, true, head.shown_even, arena) : NULL;
         for (int f = 0; f < faces; f++) {
             const Face *own = &mesh->faces[f];

@@ -31,7 +31,7 @@ submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS
 # mpi=1: bakes in several processes, by Open MPI. The program is in a folder of its own, build/release-mpi.
 mpi ?=
 dir := build/$(config)$(if $(mpi),-mpi)
-layers := engine/core engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
+layers := engine/core engine/team engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
           maps/doom maps/quake maps/ifc maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show radiosity/planner engine/sim engine/tour \

@@ -41,6 +41,7 @@ TABLE = [
      ["sums/*sight", "@(cells|convex|squares|layers|solid|fixture|query|leaves)/*", "@(query_oracle|mesh|trees|enclose)/!(random_*|are_the_same*|hold_every_line_of_doom*)"]),
     (r"radiosity/shoot/shoot\w*\.c", ["sums/light", "@(shoot|ambient)/*", "@(bake_probes|rad_file)/!(refuses_what*)"]),
     (r"radiosity/mesh/mesh\w*\.c", ["sums/light", "@(mesh|mesh_contacts|mesh_splits)/*", "@(reconstruct|shoot|cells)/*"]),
+    (r"(engine/team/\w+|radiosity/mesh/(parts|borders)|radiosity/show/joined|engine/scene/bake_parts)\.c", ["team/*", "parts/*"]),
     (r"radiosity/shoot/sky\w*\.c", ["sums/light", "sky/!(room_*|box_*)", "sky/*"]),
     (r"radiosity/(show/reconstruct\w*|mesh/nodes)\.c", ["sums/light", "reconstruct/*", "bake_probes/*"]),
     (r"engine/sim/(body|solid|obstacles)\.c",

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "engine/app/app.h"
-#include "engine/core/team.h"
+#include "engine/team/team.h"
 #include "maps/maps.h"
 
 // Benchmarks are a program of their own, beside this one or on the PATH.

@@ -2,7 +2,7 @@
 
 # The installed libraries: all below the scenes, apart by the libraries that they need in their turn.
 base_layers := engine/core $(filter maps%,$(layers)) visibility $(patsubst %,visibility/%,cells soup trees query pairs prepare) engine/sim
-light_layers := engine/gl $(patsubst %,visibility/%,bezier rays hidden) $(filter radiosity%,$(layers))
+light_layers := engine/team engine/gl $(patsubst %,visibility/%,bezier rays hidden) $(filter radiosity%,$(layers))
 objects_in = $(patsubst %.c,$(dir)/%.o,$(foreach l,$(1),$(wildcard $(l)/*.c)))
 base_libs := -lgeos_c -lminizip -lexpat -lwebp -lassimp -ljansson -lm
 light_libs := -lembree3 -lm

@@ -2,7 +2,7 @@
 #ifndef RADIOSITY_BORDERS_H
 #define RADIOSITY_BORDERS_H
 
-#include "engine/core/team.h"
+#include "engine/team/team.h"
 #include "radiosity/mesh/mesh.h"
 
 // The faces that the mesh of a part shares with those of other parts. Lives in the arena of borders_new, with the mesh.

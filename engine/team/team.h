@@ -3,8 +3,8 @@
 // Members take turns: of those of one process one works at a time, with as many threads as it likes, until it waits for the others. So the
 // memory for work at hand is that of one member, and what each of them computes depends neither on how many processes share the team nor
 // on which member is where. All members call the same functions of this header in the same order.
-#ifndef CORE_TEAM_H
-#define CORE_TEAM_H
+#ifndef TEAM_TEAM_H
+#define TEAM_TEAM_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,10 +1,10 @@
 // team_ranks.c - without MPI there is one process; with it (make mpi=1), as many as mpirun started.
-#include "engine/core/team_ranks.h"
+#include "engine/team/team_ranks.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/core/team.h"
+#include "engine/team/team.h"
 
 // Open MPI's mpirun tells it to those whom it starts.
 static const char *started_processes(void) { return getenv("OMPI_COMM_WORLD_SIZE"); }

@@ -2,7 +2,7 @@
 #include <criterion/criterion.h>
 #include <string.h>
 
-#include "engine/core/team.h"
+#include "engine/team/team.h"
 
 enum { MEMBERS = 5 };
 

@@ -1,6 +1,6 @@
 // team_ranks.h - the processes that share a team (MPI), for team.c alone.
-#ifndef CORE_TEAM_RANKS_H
-#define CORE_TEAM_RANKS_H
+#ifndef TEAM_TEAM_RANKS_H
+#define TEAM_TEAM_RANKS_H
 
 #include "engine/core/arena.h"
 

@@ -1,10 +1,10 @@
 // team.c - a thread for each member, of which one runs at a time: whoever waits hands the turn to the next, and the last to come carries
 // all letters.
-#include "engine/core/team.h"
+#include "engine/team/team.h"
 
 #include <pthread.h>
 
-#include "engine/core/team_ranks.h"
+#include "engine/team/team_ranks.h"
 
 // A member at a meeting: it brings bytes, and takes those of others with it.
 typedef struct Seat {

@@ -23,6 +23,7 @@ typedef struct FormFactorOptions {
     const FaceLines *lines;
     const Daylight *day;  // whose sky Row.sky_light is of; NULL: an even one
     const Panes *panes;   // of glass, which weaken Row.sky_light and Row.ground_light; NULL: none
+    bool shifts;          // rows are asked for with shifted samples, too
 } FormFactorOptions;
 // A resolution of 100, edges cut at one degree.
 FormFactorOptions form_factor_default_options(void);
@@ -106,6 +107,11 @@ void form_factor_end(FormFactor *self);
 const View *form_factor_look(const FormFactor *self, Viewer *viewer, const ViewPoint *from, Culling culling);
 // The row of a view; valid until the next call.
 const Row *form_factor_row(FormFactor *self, const View *view);
+// The same with samples shifted by a part of their distance, 0 .. FORM_FACTOR_SHIFTS - 1. Neighbours whose shifts differ err each in its
+// own way, so that their sum errs as a much finer method does (interleaved sampling; A. Keller & W. Heidrich 2001). Where the method has no
+// shifts, or samples are so fine that they need none, all shifts are alike.
+enum { FORM_FACTOR_SHIFTS = 16 };
+const Row *form_factor_row_shifted(FormFactor *self, const View *view, int shift);
 // The directions and weights of a projective method's samples: for tests and pictures.
 const FormFactorSamples *form_factor_samples(FormFactor *self);
 // The face that each sample sees, [count of samples] as for FormFactorMethod.items; valid until the next call.

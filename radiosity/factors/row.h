@@ -12,6 +12,7 @@ struct RowSum {
     double back, escaped, sky, sky_light, ground_light;  // as in Row, before they are scaled
     const Daylight *day;                                 // NULL: an even sky
     const Panes *panes;                                  // NULL: none
+    int shift;                                           // of the samples, as in form_factor_row_shifted
     Row row;
     uint64_t *marked;       // [word_count] scratch: a bit for each element
     struct RowFace *faces;  // [face_count] scratch: the faces of the view

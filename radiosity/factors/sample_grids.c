@@ -13,8 +13,8 @@
 static const double HAIR_X = 6.18e-6, HAIR_Y = -4.36e-6;
 
 static bool over_disc(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
-    w[0] = 2 * (i + 0.5) / grid->width - 1 + HAIR_X;
-    w[1] = 2 * (j + 0.5) / grid->height - 1 + HAIR_Y;
+    w[0] = 2 * (i + 0.5 + grid->shift[0]) / grid->width - 1 + HAIR_X;
+    w[1] = 2 * (j + 0.5 + grid->shift[1]) / grid->height - 1 + HAIR_Y;
     double left = 1 - w[0] * w[0] - w[1] * w[1];
     if (left <= 0) return false;
     w[2] = sqrt(left);
@@ -23,8 +23,16 @@ static bool over_disc(const SampleGrid *grid, int i, int j, double w[3], double 
 }
 
 int grids_of_disc(int resolution, SampleGrid out[MOST_GRIDS]) {
-    out[0] = (SampleGrid){resolution, resolution, 0, over_disc};
+    out[0] = (SampleGrid){.width = resolution, .height = resolution, .at = over_disc};
     return 1;
+}
+
+int grids_of_shifted_disc(int resolution, int shift, SampleGrid out[MOST_GRIDS]) {
+    int count = grids_of_disc(resolution, out);
+    // Never by half a pixel or more, so that all pixels whose middles are inside the disc are among resolution x resolution.
+    out[0].shift[0] = shift % 4 * 0.25 - 0.375;
+    out[0].shift[1] = shift / 4 * 0.25 - 0.375;
+    return count;
 }
 
 enum { TOP = 4 };
@@ -49,8 +57,9 @@ static bool on_cube(const SampleGrid *grid, int i, int j, double w[3], double *w
 }
 
 int grids_of_hemicube(int resolution, SampleGrid out[MOST_GRIDS]) {
-    out[0] = (SampleGrid){resolution, resolution, TOP, on_cube};
+    out[0] = (SampleGrid){.width = resolution, .height = resolution, .which = TOP, .at = on_cube};
     for (int side = 0; side < TOP; side++)
-        out[side + 1] = (SampleGrid){resolution, (resolution + 1) / 2, side, on_cube};
+        out[side + 1] =
+            (SampleGrid){.width = resolution, .height = (resolution + 1) / 2, .which = side, .at = on_cube};
     return 5;
 }

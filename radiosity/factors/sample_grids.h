@@ -8,6 +8,7 @@
 // 0 <= j < height, or returns false where there is no direction. The directions of a row are without gaps.
 typedef struct SampleGrid {
     int width, height, which;  // `which` tells `at` the grid where a method has several
+    double shift[2];           // of the disc's pixels, in pixels
     bool (*at)(const struct SampleGrid *grid, int i, int j, double direction[3], double *weight);
 } SampleGrid;
 
@@ -20,6 +21,8 @@ enum { MOST_GRIDS = 5 };
 
 // Pixels over the unit disc; weights are equal. grids_of_disc and grids_of_hemicube return how many grids there are.
 int grids_of_disc(int resolution, SampleGrid out[MOST_GRIDS]);
+// The same, the pixels shifted by parts of a pixel: `shift` 0 .. 15. All shifts together make pixels of a quarter the size.
+int grids_of_shifted_disc(int resolution, int shift, SampleGrid out[MOST_GRIDS]);
 // Pixels of a half cube, R x R on top and R x R/2 (rounded up) on the sides, with their delta form factors.
 int grids_of_hemicube(int resolution, SampleGrid out[MOST_GRIDS]);
 

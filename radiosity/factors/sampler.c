@@ -102,7 +102,7 @@ struct Sampler {
     Form *edges;      // [most_edges] of the face being drawn: a direction is inside where no form is below 0
     const Form **crossing;  // [most_edges] scratch, see Drawing
     unsigned *crossed;      // [most_edges] scratch, see Drawing
-    int stamp;
+    int *stamp;             // [1]
 };
 
 typedef struct SamplerView {
@@ -824,7 +824,7 @@ static void draw_cluster(Sampler *s, const View *view, int index, FormFactorWork
 }
 
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
-    s->stamp++;
+    ++*s->stamp;
     clear(s);
     s->frame = frame_of(s, view);
     draw_faces(s, view, work);
@@ -855,8 +855,8 @@ static const SeenGrid NO_FACE = {.one = NOTHING};
 
 static const SeenGrid *grid_of(Sampler *s, const View *view, int face) {
     SeenGrid *grid = &s->grids[face];
-    if (s->grid_stamp[face] == s->stamp) return grid;
-    s->grid_stamp[face] = s->stamp;
+    if (s->grid_stamp[face] == *s->stamp) return grid;
+    s->grid_stamp[face] = *s->stamp;
     const Face *f = &s->mesh->faces[face];
     const ViewFace *seen = &view->faces[s->view_index[face]];
     // Along w the plane's point is w / dot(n / d, w), from the eye.
@@ -1007,7 +1007,7 @@ static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
     for (int at = 0; at < s->block_count * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
         if (s->masks[at] == 0) continue;
         int face = s->items[at / SAMPLER_BLOCK].face[at % SAMPLER_BLOCK][__builtin_ctz(s->masks[at])];
-        if (face < 0 || s->grid_stamp[face] == s->stamp) continue;
+        if (face < 0 || s->grid_stamp[face] == *s->stamp) continue;
         const SeenGrid *grid = grid_of(s, view, face);
         if (grid->one == BACK) continue;
         size_t elements = (size_t)s->mesh->faces[face].element_count;
@@ -1184,6 +1184,7 @@ static EvenGrid even_grid(const Sampler *s, const SampleGrid *grids, int grid_co
 }
 
 static void take_view_memory(Sampler *s, Arena *arena) {
+    s->stamp = ARENA_ARRAY(arena, int, 1);
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, SeenGrid, s->mesh->face_count + 1);
@@ -1194,18 +1195,15 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
-Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid *grids, int grid_count,
-                     double turn, Arena *arena) {
-    Sampler *s = ARENA_ARRAY(arena, Sampler, 1);
-    s->mesh = mesh;
-    s->cosine = cos(turn);
-    s->sine = sin(turn);
-    s->outlines = lines ? *lines : lines_of_mesh(mesh, arena);
+// Places for samples, whole groups of them.
+static int place_count(const Sampler *s) {
+    return (s->group_count * GROUP_BLOCKS + 1) * SAMPLER_BLOCK * LANES;  // + 1 for a trial block
+}
+
+static void make_samples(Sampler *s, const SampleGrid *grids, int grid_count, Arena *arena) {
     s->group_count = group_total(grids, grid_count);
-    int blocks = s->group_count * GROUP_BLOCKS + 1,
-        places = blocks * SAMPLER_BLOCK * LANES;  // + 1 for a trial block
+    int places = place_count(s), blocks = places / (SAMPLER_BLOCK * LANES);
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);
-    s->items = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->nothing = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->masks = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
     s->weights = ARENA_ARRAY(arena, float, places);
@@ -1226,7 +1224,27 @@ Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid 
     scale_weights(s);
     s->flat = is_flat(s);
     s->even = even_grid(s, grids, grid_count);
+}
+
+Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid *grids, int grid_count,
+                     double turn, Arena *arena) {
+    Sampler *s = ARENA_ARRAY(arena, Sampler, 1);
+    s->mesh = mesh;
+    s->cosine = cos(turn);
+    s->sine = sin(turn);
+    s->outlines = lines ? *lines : lines_of_mesh(mesh, arena);
+    make_samples(s, grids, grid_count, arena);
+    s->items = ARENA_ARRAY(arena, ItemBlock, place_count(s) / (SAMPLER_BLOCK * LANES));
     take_view_memory(s, arena);
+    return s;
+}
+
+Sampler *sampler_new_like(const Sampler *like, const SampleGrid *grids, int grid_count, Arena *arena) {
+    Sampler *s = ARENA_ARRAY(arena, Sampler, 1);
+    *s = *like;
+    s->samples.count = s->block_count = 0;
+    make_samples(s, grids, grid_count, arena);
+    CORE_ASSERT(s->group_count <= like->group_count);
     return s;
 }
 

@@ -17,6 +17,8 @@ typedef struct Sampler Sampler;
 // NULL: sampler_new finds them.
 Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid *grids, int grid_count,
                      double turn, Arena *arena);
+// A sampler of other samples, as many at most, that shares its tables of the mesh with `like`: only one of them at a time may be used.
+Sampler *sampler_new_like(const Sampler *like, const SampleGrid *grids, int grid_count, Arena *arena);
 const FormFactorSamples *sampler_samples(const Sampler *self);
 
 // Draws the faces in view. Where a face's edge is part of a longer line, the ends of the line come from the mesh.

@@ -89,7 +89,8 @@ const int32_t *form_factor_items(FormFactor *self, const View *view) {
     return self->item;
 }
 
-const Row *form_factor_row(FormFactor *self, const View *view) {
+const Row *form_factor_row_shifted(FormFactor *self, const View *view, int shift) {
+    self->sum.shift = shift;
     if (!self->method->row) {
         const int32_t *item = form_factor_items(self, view);
         row_of_items(&self->sum, view, self->method->samples(self->self), item);
@@ -99,6 +100,10 @@ const Row *form_factor_row(FormFactor *self, const View *view) {
     }
     if (self->method->mended) near_faces_mend(&self->sum, view);
     return row_finish(&self->sum);
+}
+
+const Row *form_factor_row(FormFactor *self, const View *view) {
+    return form_factor_row_shifted(self, view, 0);
 }
 
 FormFactorWork form_factor_work(const FormFactor *self) { return self->work; }

@@ -6,22 +6,42 @@
 #include "radiosity/factors/row.h"
 #include "radiosity/factors/sampler.h"
 
+// Finer samples need no shifts.
+enum { FINEST_SHIFTED = 100 };
+
+typedef struct Hemisphere {
+    Sampler *plain, *shifted[FORM_FACTOR_SHIFTS];
+} Hemisphere;
+
 static void *hemisphere_start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+    Hemisphere *self = ARENA_ARRAY(arena, Hemisphere, 1);
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_disc(options->resolution, grids);
-    return sampler_new(mesh, options->lines, grids, count, GRIDS_TURN, arena);
+    self->plain = sampler_new(mesh, options->lines, grids, count, GRIDS_TURN, arena);
+    for (int i = 0; i < FORM_FACTOR_SHIFTS; i++) {
+        self->shifted[i] = self->plain;
+        if (!options->shifts || options->resolution > FINEST_SHIFTED) continue;
+        count = grids_of_shifted_disc(options->resolution, i, grids);
+        self->shifted[i] = sampler_new_like(self->plain, grids, count, arena);
+    }
+    return self;
 }
 
-static const FormFactorSamples *hemisphere_samples(void *self) { return sampler_samples(self); }
+static const FormFactorSamples *hemisphere_samples(void *self) {
+    const Hemisphere *h = self;
+    return sampler_samples(h->plain);
+}
 
 static void hemisphere_items(void *self, const View *view, int32_t *item, FormFactorWork *work) {
-    sampler_draw(self, view, work);
-    sampler_items(self, item);
+    const Hemisphere *h = self;
+    sampler_draw(h->plain, view, work);
+    sampler_items(h->plain, item);
 }
 
 static void hemisphere_row(void *self, const View *view, RowSum *sum, FormFactorWork *work) {
-    sampler_draw(self, view, work);
-    sampler_row(self, view, sum);
+    const Hemisphere *h = self;
+    sampler_draw(h->shifted[sum->shift], view, work);
+    sampler_row(h->shifted[sum->shift], view, sum);
 }
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE = {

@@ -148,6 +148,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     for (int e = 0; e < mesh->element_count; e++) rows->middles[e] = element_centroid(mesh, e);
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
+    rows->usual.shifts = true;
     if (daylight_shines(day)) rows->usual.day = day;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
@@ -409,6 +410,21 @@ const bool *shoot_rows_strong(const ShootRows *rows) { return rows->strong; }
 void shoot_rows_settle(ShootRows *rows) { rows->settled = true; }
 bool shoot_rows_settled(const ShootRows *rows) { return rows->settled; }
 
+// Patches of four rows and four columns of a face have samples shifted each by other parts of a pixel, any two side by side by half a
+// pixel. Faces of one patch differ by their numbers in the building, which are the same in every part of it.
+static int shift_of(const Mesh *mesh, const Patch *patch) {
+    static const int FAR[4] = {0, 2, 1, 3};
+    const Face *face = &mesh->faces[patch->face];
+    Vec3 at = vec3_sub(patch->centre, face->origin);
+    double squares = patch->area * vec3_length(face->gx) * vec3_length(face->gy), root = face->root;
+    // A patch that is cut, down to a third of its square, counts as the whole square.
+    double side = root * exp2(-floor(log2(root * root / squares) / 2 + 0.25));
+    int number = face->polygon >= 0 ? face->polygon : face->object;
+    int x = (int)floor(vec3_dot(face->gx, at) / side) + number,
+        y = (int)floor(vec3_dot(face->gy, at) / side) + number / 4;
+    return FAR[y & 3] * 4 + FAR[x & 3];
+}
+
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
     Maker *maker = &rows->makers[thread];
@@ -426,7 +442,7 @@ static void make_row(void *context, int index, int thread) {
     if (now) maker->seconds_visibility += now() - start;
     bool spread = mesh_spread(rows->mesh, patch->face) != NULL;
     const Row *row = spread ? spread_row(maker->spreads, maker->viewer, rows->options->culling, slot->patch)
-                            : form_factor_row(form_factor, view);
+                            : form_factor_row_shifted(form_factor, view, shift_of(rows->mesh, patch));
     uint64_t *doors = rows->doors + (size_t)slot->patch * (size_t)rows->door_words;
     for (int i = 0; i < rows->door_words; i++) doors[i] = view->doors ? view->doors[i] : UINT64_MAX;
     // A row may list more faces.

@@ -20,8 +20,8 @@ static const char ROOM[] =
     "window c 7.45,-0.05 width 2.5 sill 1 height 1.8\nwindow d 10.35,-0.05 width 2.5 sill 1 height 1.8\n";
 
 // Proves daylight factors 0.75 m above the floor, from 0.6 to 14 m behind the windows, against path tracing in the same room under the CIE
-// overcast sky. Tolerance: 3 % to three times the height of the room, 1 % in the mean; paths are exact to 0.7 % at a point. Farther back,
-// where the light is a thirtieth of that in front, 6 %: there it is too dark.
+// overcast sky. Tolerance: 3 % at each point, 1 % in the mean; paths are exact to 0.7 % at a point. Far back the light is a thirtieth of
+// that in front, and comes at grazing angles: with one set of samples for all patches it was 4.4 % too dark.
 Test(reference_room, daylight_factors, .timeout = 240) {
     enum { PLACES = 12 };
     Arena arena = {0};
@@ -40,7 +40,7 @@ Test(reference_room, daylight_factors, .timeout = 240) {
     const PlannedSource *sky = &light.sources[PLANNED_DAY];
     cr_assert(sky->there && !light.sources[PLANNED_LAMPS].there && light.plan.room_count == 1);
     PathTracer *tracer = path_tracer_new(sky->light.mesh, &sky->light.day, &arena);
-    double worst[2] = {0, 0}, found = 0, right = 0;
+    double worst = 0, found = 0, right = 0;
     for (int i = 0; i < PLACES; i++) {
         int k = (2 * i + 1) * light.plan.point_count / (2 * PLACES);
         PathQuery query = {.point = light.plan.points[k],
@@ -53,18 +53,14 @@ Test(reference_room, daylight_factors, .timeout = 240) {
         double want = room_light_value(&sky->light, truth.irradiance);
         found += sky->values.all[k];
         right += want;
-        bool deep = query.point.y > 9;
-        worst[deep] = fmax(worst[deep], fabs(sky->values.all[k] / want - 1));
+        worst = fmax(worst, fabs(sky->values.all[k] / want - 1));
         printf("%.2f m from the windows: %.4f %%, by paths %.4f %%, %+.2f %% off\n", query.point.y,
                100 * sky->values.all[k], 100 * want, 100 * (sky->values.all[k] / want - 1));
     }
     RoomFigures figures = room_figures(&light.plan, 0, &sky->values);
-    printf("%d points, mean %.3f %%, least %.3f %%; worst point %.2f %% off, far back %.2f %%, their mean "
-           "%+.2f %%\n",
-           figures.points, 100 * figures.mean, 100 * figures.minimum, 100 * worst[0], 100 * worst[1],
-           100 * (found / right - 1));
-    cr_expect_lt(worst[0], 0.03);
-    cr_expect_lt(worst[1], 0.06);
+    printf("%d points, mean %.3f %%, least %.3f %%; worst point %.2f %% off, their mean %+.2f %%\n",
+           figures.points, 100 * figures.mean, 100 * figures.minimum, 100 * worst, 100 * (found / right - 1));
+    cr_expect_lt(worst, 0.03);
     cr_expect_lt(fabs(found / right - 1), 0.01);
     path_tracer_end(tracer);
     planned_light_end(&light);

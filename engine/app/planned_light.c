@@ -6,7 +6,9 @@
 const char *const PLANNED_SKY_NAMES[PLANNED_SKIES] = {"overcast", "uniform", "none"};
 
 PlannedOptions planned_default_options(void) {
-    return (PlannedOptions){.bake = bake_default_options(), .plane = 0.85};
+    PlannedOptions o = {.bake = bake_default_options(), .plane = 0.85};
+    o.bake.rad.form_factor.shifts = true;
+    return o;
 }
 
 // The height of the sun does not matter under an overcast sky: only ratios to the light outdoors are asked for.

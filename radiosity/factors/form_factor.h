@@ -23,7 +23,9 @@ typedef struct FormFactorOptions {
     const FaceLines *lines;
     const Daylight *day;  // whose sky Row.sky_light is of; NULL: an even one
     const Panes *panes;   // of glass, which weaken Row.sky_light and Row.ground_light; NULL: none
-    bool shifts;          // rows are asked for with shifted samples, too
+    // Rows may be asked for with shifted samples; rad_shoot gives neighbours different ones. Errors of many patches cancel, as at
+    // points of a room. One row errs more: where few patches light all, as in a slit of a centimetre, shown light is farther off.
+    bool shifts;
 } FormFactorOptions;
 // A resolution of 100, edges cut at one degree.
 FormFactorOptions form_factor_default_options(void);

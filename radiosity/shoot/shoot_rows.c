@@ -148,7 +148,6 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     for (int e = 0; e < mesh->element_count; e++) rows->middles[e] = element_centroid(mesh, e);
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
-    rows->usual.shifts = true;
     if (daylight_shines(day)) rows->usual.day = day;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
@@ -410,8 +409,8 @@ const bool *shoot_rows_strong(const ShootRows *rows) { return rows->strong; }
 void shoot_rows_settle(ShootRows *rows) { rows->settled = true; }
 bool shoot_rows_settled(const ShootRows *rows) { return rows->settled; }
 
-// Patches of four rows and four columns of a face have samples shifted each by other parts of a pixel, any two side by side by half a
-// pixel. Faces of one patch differ by their numbers in the building, which are the same in every part of it.
+// With shifts, patches of four rows and four columns of a face have samples shifted each by other parts of a pixel, any two side by side by
+// half a pixel. Faces of one patch differ by their numbers in the building, which are the same in every part of it.
 static int shift_of(const Mesh *mesh, const Patch *patch) {
     static const int FAR[4] = {0, 2, 1, 3};
     const Face *face = &mesh->faces[patch->face];

@@ -13,13 +13,12 @@ static void close_curve(Curve *curve) {
 }
 
 int ifc_chords(const Reader *r, double radius, double angle) {
-    double least = 12, share = radius > IFC_SAGITTA ? 1 - IFC_SAGITTA / radius : 0,
-           told = r->file->options.circle_chords;
+    double share = radius > IFC_SAGITTA ? 1 - IFC_SAGITTA / radius : 0;
     // A multiple of four of a whole circle, so that its box is that of its chords.
-    double whole = told > 0 ? told : 4 * ceil(fmax(least, M_PI / acos(share)) / 4);
+    double whole = fmin(fmax(r->file->options.circle_chords, 4 * ceil(M_PI / acos(share) / 4)), 1e9);
     double chords = ceil(whole * fabs(angle) / (2 * M_PI) - 1e-9);
     if (chords < 2 && fabs(angle) > 0.05) return 2;
-    return chords < 1 ? 1 : chords > IFC_MOST_CHORDS ? IFC_MOST_CHORDS : (int)chords;
+    return chords > IFC_MOST_CHORDS ? IFC_MOST_CHORDS : chords > 1 ? (int)chords : 1;
 }
 
 static void push_arc(Reader *r, const Frame *f, double a, double b, double from, double angle, Curve *out) {
@@ -53,13 +52,20 @@ static Trim read_trim(Reader *r, const StepValue *list) {
     return trim;
 }
 
-// The angle of a trim about a conic's centre.
+// Points and parameters of a trim that lie farther apart than this share of the radius contradict each other.
+static const double TRIM_SLACK = 0.01;
+
+// The angle of a trim about a conic's centre. Some files tell degrees where their unit is the radian, or where they have none: a point
+// on the conic holds where the parameter leads elsewhere.
 static double conic_angle(Reader *r, const Frame *f, double a, double b, const Trim *trim, bool by_point) {
-    if ((by_point || isnan(trim->parameter)) && trim->has_point) {
-        Vec3 d = vec3_sub(trim->point, f->o);
-        return atan2(vec3_dot(d, f->y) / b, vec3_dot(d, f->x) / a);
-    }
-    return isnan(trim->parameter) ? 0 : trim->parameter * r->file->angle;
+    double told = isnan(trim->parameter) ? 0 : trim->parameter * r->file->angle;
+    if (!trim->has_point) return told;
+    Vec3 d = vec3_sub(trim->point, f->o);
+    Vec2 at = vec2(vec3_dot(d, f->x) / a, vec3_dot(d, f->y) / b),
+         off = vec2_sub(at, vec2(cos(told), sin(told)));
+    bool on_conic = fabs(vec2_length(at) - 1) < TRIM_SLACK;
+    bool point = by_point || isnan(trim->parameter) || (on_conic && vec2_length(off) > TRIM_SLACK);
+    return point ? atan2(at.y, at.x) : told;
 }
 
 static bool conic(Reader *r, int record, Frame *f, double *a, double *b) {
@@ -312,6 +318,28 @@ bool ifc_curve(Reader *r, int record, Curve *out) {
     ifc_leave(r);
     if (good) close_curve(out);
     return good;
+}
+
+bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out) {
+    int type = ifc_type(r, record);
+    Trim trim[2] = {{.parameter = from}, {.parameter = to}};
+    StepValue v[2];
+    if (from < to && (type == T_CIRCLE || type == T_ELLIPSE)) {
+        bool good = trimmed_conic(r, record, trim, true, false, out);
+        close_curve(out);
+        return good;
+    }
+    if (from < to && type == T_LINE) return trimmed_line(r, record, trim, false, out);
+    Curve whole = {0};
+    if (!ifc_curve(r, record, &whole)) return false;
+    bool counts_points = type == T_POLYLINE || (type == T_INDEXEDPOLYCURVE &&
+                                                ifc_arguments(r, record, v, 2) && v[1].kind != STEP_LIST);
+    if (from < to && counts_points) trimmed_points(r, &whole, from, to, out);
+    if (out->count > 1)
+        close_curve(out);
+    else
+        *out = whole;
+    return true;
 }
 
 bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curve *out) {

@@ -247,36 +247,53 @@ static void find_footprints(Reader *r, Arena *arena, const Body *body, const Fra
     }
 }
 
-// The items of a body with openings cut out.
-static void cut_openings(Reader *r, const Work *work, int product, const Body *body, Body *out) {
+// The solids that are cut out of a body.
+typedef struct Tools {
+    const Shape **items;
+    int count, room;
+} Tools;
+
+// Adds the openings of a product, in the frame that `back` leads to.
+static void add_tools(Reader *r, const Work *work, int product, const Frame *back, Tools *tools) {
     const Relations *rel = work->relations;
-    const IfcProduct *host = &work->model->products[product];
-    Frame frame = product_frame(host), back = frame_inverse(&frame);
-    const Shape **tools = NULL;
-    int tool_count = 0, tool_room = 0;
     for (int at = ifc_pair(&rel->openings, rel->record[product]);
          at >= 0 && at < rel->openings.count && rel->openings.pair[at].key == rel->record[product]; at++) {
         int index = ifc_pair(&rel->products, rel->openings.pair[at].value);
         if (index < 0) continue;
         const IfcProduct *opening = &work->model->products[rel->products.pair[index].value];
-        Body holes = {0}, moved = {0};
+        Body holes = {0};
         read_body(r, rel->openings.pair[at].value, &holes);
-        Frame own = product_frame(opening), joined = frame_join(&back, &own);
+        Frame own = product_frame(opening), joined = frame_join(back, &own);
         for (int i = 0; i < holes.count; i++) {
             if (!holes.items[i].shape.solid) continue;
-            Item *item = ARENA_PUSH(&r->scratch, moved.items, moved.count, moved.room);
-            item->shape = shape_empty(true);
-            shape_append_mapped(&r->scratch, &item->shape, &holes.items[i].shape, &joined);
             Shape *kept = ARENA_ARRAY(&r->scratch, Shape, 1);
-            *kept = item->shape;
-            *ARENA_PUSH(&r->scratch, tools, tool_count, tool_room) = kept;
+            *kept = shape_empty(true);
+            shape_append_mapped(&r->scratch, kept, &holes.items[i].shape, &joined);
+            *ARENA_PUSH(&r->scratch, tools->items, tools->count, tools->room) = kept;
         }
     }
+}
+
+// The product that a product is a part of, if openings void it, too; else the next whole of which that is so; -1: none.
+static int voided_whole(const Work *work, int product, int *depth) {
+    const Relations *rel = work->relations;
+    while ((product = work->model->products[product].whole) >= 0 && (*depth)++ < IFC_DEEPEST)
+        if (ifc_pair(&rel->openings, rel->record[product]) >= 0) return product;
+    return -1;
+}
+
+// The items of a body with openings cut out: those of the product and of all that it is a part of, as the layers of a wall.
+static void cut_openings(Reader *r, const Work *work, int product, const Body *body, Body *out) {
+    const Relations *rel = work->relations;
+    Frame frame = product_frame(&work->model->products[product]), back = frame_inverse(&frame);
+    Tools tools = {0};
+    for (int at = product, depth = 0; at >= 0; at = voided_whole(work, at, &depth))
+        add_tools(r, work, at, &back, &tools);
     *out = (Body){.items = ARENA_ARRAY(&r->scratch, Item, body->count), .count = body->count};
     for (int i = 0; i < body->count; i++) {
         out->items[i] = body->items[i];
-        if (!shape_boolean(&r->scratch, SHAPE_DIFFERENCE, &body->items[i].shape, tools, tool_count, &r->work,
-                           &out->items[i].shape))
+        if (!shape_boolean(&r->scratch, SHAPE_DIFFERENCE, &body->items[i].shape, tools.items, tools.count,
+                           &r->work, &out->items[i].shape))
             ifc_note(r, rel->record[product],
                      "keeps its openings closed: to cut them out takes too long, or it lies too far away");
         // Faces of a cut look as the body does.
@@ -341,7 +358,10 @@ static void read_shape(void *context, int index, int thread) {
         for (int i = 0; i < p->whole_mesh.corner_count; i++)
             p->box = box_add(p->box, p->whole_mesh.corners[i]);
         find_footprints(r, &work->prisms[thread], &body, &frame, &work->found[index]);
-        if (body.count > 0 && p->kind != IFC_OPENING && ifc_pair(&rel->openings, rel->record[index]) >= 0) {
+        int depth = 0;
+        bool voided =
+            ifc_pair(&rel->openings, rel->record[index]) >= 0 || voided_whole(work, index, &depth) >= 0;
+        if (body.count > 0 && p->kind != IFC_OPENING && voided) {
             cut_openings(r, work, index, &body, &cut);
             make_mesh(&r->kept, &cut, &frame, look, &p->mesh);
             if (!is_near(&p->mesh)) p->mesh = p->whole_mesh;

@@ -135,7 +135,7 @@ typedef struct IfcModel {
 // How ifc_read is to read.
 typedef struct IfcOptions {
     int threads;        // 0: as many as there are processors
-    int circle_chords;  // chords of a whole circle, 8 .. 256
+    int circle_chords;  // the least chords of a whole circle, 8 .. 256
 } IfcOptions;
 static inline IfcOptions ifc_default_options(void) { return (IfcOptions){0, 24}; }
 

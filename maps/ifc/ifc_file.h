@@ -92,8 +92,8 @@ enum {
 };
 // Points of a curve closer than this are one, metres.
 #define IFC_SAME_POINT 1e-6
-// Chords lie off their circle by this at most, metres, unless the options say how many there are.
-#define IFC_SAGITTA 0.002
+// Chords lie off their circle by this at most, metres: where a circle is so large that the options' chords lie farther off, it has more.
+#define IFC_SAGITTA 0.02
 
 // The first `count` arguments of a record; those that the record lacks are STEP_NONE. False: there is no such record.
 bool ifc_arguments(Reader *r, int record, StepValue *out, int count);
@@ -125,6 +125,9 @@ typedef struct Curve {
     bool closed;
 } Curve;
 bool ifc_curve(Reader *r, int record, Curve *out);
+// The part of a curve from one parameter to a larger one: angles of conics, lengths of a line's vector, points of polylines. Other curves
+// are whole, and so are those whose parameters are not told (NAN).
+bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out);
 // The part of an edge's curve from its start to its end.
 bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curve *out);
 // Appends a point, unless it is the last one once more.

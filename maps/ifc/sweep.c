@@ -245,34 +245,19 @@ static void circle_profile(Reader *r, double radius, double inner, Profile *p) {
     }
 }
 
-// The part of a directrix between two parameters: of composite curves and polylines they count segments.
-static void cut_directrix(Curve *c, double from, double to) {
-    int count = c->count;
-    if (isnan(from) || isnan(to) || c->closed || !(from >= 0 && to > from && to <= count - 1)) return;
-    if (from == 0 && to == count - 1) return;
-    int a = (int)floor(from), b = (int)ceil(to);
-    Vec3 end = vec3_lerp(c->points[b - 1], c->points[b], to - (b - 1)),
-         begin = vec3_lerp(c->points[a], c->points[a + 1 < count ? a + 1 : a], from - a);
-    c->points[a] = begin;
-    c->points[b] = end;
-    c->points += a;
-    c->count = b - a + 1;
-    c->room = c->count;
-}
-
 bool ifc_swept_disk(Reader *r, int record, Shape *out) {
     StepValue v[6];
     Curve line = {0};
     ifc_arguments(r, record, v, 6);
     double radius = ifc_length(r, &v[1], 0), inner = ifc_length(r, &v[2], 0);
-    if (!ifc_curve(r, v[0].record, &line) || line.count < 2) return false;
+    if (!ifc_curve_between(r, v[0].record, ifc_number(r, &v[3], NAN), ifc_number(r, &v[4], NAN), &line) ||
+        line.count < 2)
+        return false;
     if (!(radius > 0) || inner >= radius) {
         ifc_note(r, record, "has the radius %g and inside %g (allowed: above 0, and less inside)", radius,
                  inner);
         return false;
     }
-    if (ifc_type(r, v[0].record) == T_POLYLINE || (ifc_type(r, v[0].record) == T_INDEXEDPOLYCURVE))
-        cut_directrix(&line, ifc_number(r, &v[3], NAN), ifc_number(r, &v[4], NAN));
     Profile disk = {0};
     circle_profile(r, radius, inner, &disk);
     Vec3 z = vec3_normalize(vec3_sub(line.points[1], line.points[0])),
@@ -292,7 +277,9 @@ bool ifc_directed_sweep(Reader *r, int record, Shape *out) {
     Profile profile = {0};
     Curve line = {0};
     ifc_arguments(r, record, v, 6);
-    if (!ifc_profile(r, v[0].record, &profile) || !ifc_curve(r, v[2].record, &line) || line.count < 2)
+    if (!ifc_profile(r, v[0].record, &profile) ||
+        !ifc_curve_between(r, v[2].record, ifc_number(r, &v[3], NAN), ifc_number(r, &v[4], NAN), &line) ||
+        line.count < 2)
         return false;
     Frame place = ifc_axes(r, v[1].record);
     Vec3 z = vec3_normalize(vec3_sub(line.points[1], line.points[0])), reference = vec3(0, 0, 1);

@@ -111,6 +111,14 @@ Test(ifc, outlines) {
                "IFCPOLYLINE((#108,#109));"
                "#108=IFCCARTESIANPOINT((1.,0.));#109=IFCCARTESIANPOINT((-1.,0.));"),
          p, p + 2 * p + 4},
+        // Two half circles by degrees, though the unit is the radian: points that contradict the parameters hold.
+        {CURVE("IFCCOMPOSITECURVE((#103,#104),.U.);#103=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#105);"
+               "#104=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#106);#105=IFCTRIMMEDCURVE(#107,("
+               "IFCPARAMETERVALUE(0.),#108),(IFCPARAMETERVALUE(180.),#109),.T.,.PARAMETER.);"
+               "#106=IFCTRIMMEDCURVE(#107,(IFCPARAMETERVALUE(180.),#109),(IFCPARAMETERVALUE(360.),#108),.T.,"
+               ".PARAMETER.);#107=IFCCIRCLE(#14,1.);"
+               "#108=IFCCARTESIANPOINT((1.,0.));#109=IFCCARTESIANPOINT((-1.,0.));"),
+         2 * p, 2 * p + 4 * p},
         // The same the long way round: three quarters, trimmed by points against the sense.
         {CURVE("IFCCOMPOSITECURVE((#103,#104),.F.);#103=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#105);"
                "#104=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#106);#105=IFCTRIMMEDCURVE(#107,(#109),(#108),"
@@ -171,6 +179,12 @@ Test(ifc, sweeps) {
          "(1.,0.,0.));"
          "#103=IFCCARTESIANPOINT((1.,0.,1.));",
          2 * p * (0.01 - 0.0025), 0},
+        // Parts of curves: a quarter of a circle, and the first of two edges.
+        {"#100=IFCSWEPTDISKSOLID(#101,0.1,$,0.,1.5707963267949);#101=IFCCIRCLE(#11,2.);", p * 0.01 * p, 0},
+        {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,0.,1.,#12);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,"
+         "#14,0.2,0.4);#102=IFCPOLYLINE((#10,#103,#104));#103=IFCCARTESIANPOINT((3.,0.,0.));#104="
+         "IFCCARTESIANPOINT((3.,3.,0.));",
+         3 * 0.08, 3 * 1.2 + 2 * 0.08},
         {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,$,$,#12);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,#"
          "14,0.2,0.4);"
          "#102=IFCPOLYLINE((#10,#103,#104,#105,#10));#103=IFCCARTESIANPOINT((3.,0.,0.));#104="

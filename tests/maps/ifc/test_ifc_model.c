@@ -65,6 +65,60 @@ Test(ifc, relations) {
     arena_free(&arena);
 }
 
+// An opening of a wall is cut out of the layers that are parts of the wall, and out of their parts. Proxies are products. Members of the
+// model for structural analysis are none: one note counts them.
+Test(ifc, parts_are_cut) {
+    Arena arena = {0};
+    IfcModel m;
+    const char *text = ifc_text(
+        &arena, "#100=IFCEXTRUDEDAREASOLID(#101,#11,#12,3.);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,#14,4.,0.2);"
+                "#110=IFCBUILDINGELEMENTPART('a',$,'layer',$,$,#20,#91,$,$);"
+                "#111=IFCPROXY('b',$,'layer of the layer',$,$,#20,#91,.NOTDEFINED.,$);"
+                "#112=IFCRELAGGREGATES('c',$,$,$,#90,(#110));#113=IFCRELAGGREGATES('d',$,$,$,#110,(#111));"
+                "#120=IFCOPENINGELEMENT('e',$,'hole',$,$,#20,#121,$,$);"
+                "#121=IFCPRODUCTDEFINITIONSHAPE($,$,(#122));"
+                "#122=IFCSHAPEREPRESENTATION($,'Body','SweptSolid',(#123));"
+                "#123=IFCEXTRUDEDAREASOLID(#124,#11,#12,2.);#124=IFCRECTANGLEPROFILEDEF(.AREA.,$,#14,1.,0.4);"
+                "#125=IFCRELVOIDSELEMENT('f',$,$,$,#90,#120);"
+                "#130=IFCSTRUCTURALSURFACEMEMBER('g',$,'m',$,$,#20,#91,.SHELL.,0.2);"
+                "#131=IFCSTRUCTURALCURVEMEMBER('h',$,'n',$,$,#20,#91,.RIGID_JOINED_MEMBER.,#12);");
+    ifc_accept(&arena, text, 1, &m);
+    cr_assert_eq(m.product_count, 4);
+    for (int i = 0; i < 3; i++) {
+        static const int CUT[] = {90, 110, 111};
+        const IfcProduct *p = product(&m, CUT[i]);
+        cr_expect_float_eq(ifc_volume(&p->whole_mesh), 4 * 0.2 * 3, 1e-9, "#%d", CUT[i]);
+        cr_expect_float_eq(ifc_volume(&p->mesh), 4 * 0.2 * 3 - 0.2 * 2, 1e-9, "#%d", CUT[i]);
+    }
+    cr_assert_eq(m.note_count, 1);
+    cr_expect_str_eq(m.notes[0].text,
+                     "#130 IFCSTRUCTURALSURFACEMEMBER and 1 others are members of the model for "
+                     "structural analysis: left out");
+    arena_free(&arena);
+}
+
+// A circle has the chords that are asked for; a large one has more, so that none lies farther off than 2 cm.
+Test(ifc, chords) {
+    static const double RADIUS[] = {0.1, 2, 20};
+    for (int i = 0; i < 3; i++) {
+        Arena arena = {0};
+        IfcModel m;
+        Error error = {""};
+        IfcOptions options = ifc_default_options();
+        double r = RADIUS[i];
+        const char *text = ifc_text(&arena, arena_format(&arena,
+                                                         "#100=IFCEXTRUDEDAREASOLID(#101,#11,#12,1.);"
+                                                         "#101=IFCCIRCLEPROFILEDEF(.AREA.,$,#14,%.1f);",
+                                                         r));
+        Bytes content = {(unsigned char *)arena_string(&arena, text), strlen(text)};
+        cr_assert(ifc_read("t.ifc", content, &options, &arena, &m, &error), "%s", error.text);
+        int chords = m.points ? m.rings[0].point_count : 0;
+        if (r <= 2) cr_expect_eq(chords, options.circle_chords, "radius %g: %d chords", r, chords);
+        cr_expect_leq(r * (1 - cos(M_PI / chords)), 0.0201, "radius %g: %d chords", r, chords);
+        arena_free(&arena);
+    }
+}
+
 static uint64_t model_hash(const IfcModel *m) {
     uint64_t h = file_hash(m->points, (size_t)m->point_count * sizeof(Vec2), 1);
     for (int i = 0; i < m->product_count; i++) {

@@ -105,6 +105,20 @@ static bool make_building(IfcPlan *p, Error *error) {
     return true;
 }
 
+static void list_parts(IfcPlan *p) {
+    const IfcModel *m = p->model;
+    int *first = ARENA_ARRAY(&p->scratch, int, m->product_count + 1);
+    for (int i = 0; i < m->product_count; i++)
+        if (m->products[i].whole >= 0) first[m->products[i].whole + 1]++;
+    for (int i = 0; i < m->product_count; i++) first[i + 1] += first[i];
+    int *fill = ARENA_ARRAY(&p->scratch, int, m->product_count + 1);
+    memcpy(fill, first, (size_t)(m->product_count + 1) * sizeof *fill);
+    p->parts = ARENA_ARRAY(&p->scratch, int, m->product_count + 1);
+    for (int i = 0; i < m->product_count; i++)
+        if (m->products[i].whole >= 0) p->parts[fill[m->products[i].whole]++] = i;
+    p->first_part = first;
+}
+
 static bool read_ifc(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     IfcPlan p = {.path = path, .arena = arena, .b = out};
     IfcModel model;
@@ -115,6 +129,7 @@ static bool read_ifc(const char *path, Bytes content, Arena *arena, Building *ou
         p.walls = ARENA_ARRAY(&p.scratch, SolidOutlines, model.product_count);
         p.storey = ARENA_ARRAY(&p.scratch, int, model.storey_count);
         p.material = ARENA_ARRAY(&p.scratch, int, model.material_count);
+        list_parts(&p);
         p.tracer = solid_begin(&p.scratch);
         good = make_building(&p, error);
         solid_end(p.tracer);

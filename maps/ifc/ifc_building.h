@@ -45,8 +45,9 @@ typedef struct IfcPlan {
     BoxHits near;
     int *floors;  // [floor_count] products: the slabs and coverings that have a body
     int floor_count, floor_capacity;
-    int *storey;    // [model->storey_count] the building's storey, -1: it became none
-    int *material;  // [model->material_count] of the building, -1: not yet
+    int *first_part, *parts;  // the parts of product i: parts[first_part[i]] .. parts[first_part[i + 1] - 1]
+    int *storey;              // [model->storey_count] the building's storey, -1: it became none
+    int *material;            // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
     NoteTally no_body, recesses, small_holes, roof_windows, low_doors, too_many;

@@ -145,6 +145,13 @@ static bool find_frame(IfcPlan *p, int product, const IfcProduct *body, int wall
 // The outline of what is cut out as seen along the normal, unless it is a rectangle.
 static void find_cutout(IfcPlan *p, const IfcProduct *body, const IfcHole *h, SketchOpening *o) {
     double width = h->width, height = h->z1 - h->z0;
+    // One face that fills the rectangle is enough; that saves most openings the union of all.
+    for (int i = 0; i < body->mesh.polygon_count; i++) {
+        const IfcPolygon *polygon = &body->mesh.polygons[i];
+        const Vec3 *c = body->mesh.corners + polygon->first_corner;
+        double along = vec3_dot(plane_of_polygon(c, polygon->corner_count).n, vec3(h->n.x, h->n.y, 0));
+        if (along * polygon_area(c, polygon->corner_count) >= RECTANGLE * width * height) return;
+    }
     for (int i = 0; i < body->mesh.polygon_count; i++) {
         const IfcPolygon *polygon = &body->mesh.polygons[i];
         Vec3 *turned = ARENA_ARRAY(&p->scratch, Vec3, polygon->corner_count);

@@ -73,10 +73,9 @@ static SolidOutlines cover(IfcPlan *p, int product, double z0, double z1);
 // A curtain wall covers what its parts cover.
 static SolidOutlines cover_parts(IfcPlan *p, int product, double z0, double z1) {
     SolidOutlines out = {NULL, 0, 0};
-    for (int i = 0; i < p->model->product_count; i++) {
-        const IfcProduct *it = &p->model->products[i];
-        if (it->whole != product || box_is_empty(it->box)) continue;
-        SolidOutlines part = cover(p, i, z0, z1);
+    for (int i = p->first_part[product]; i < p->first_part[product + 1]; i++) {
+        if (box_is_empty(p->model->products[p->parts[i]].box)) continue;
+        SolidOutlines part = cover(p, p->parts[i], z0, z1);
         for (int k = 0; k < part.count; k++)
             *ARENA_PUSH(&p->scratch, out.items, out.count, out.capacity) = part.items[k];
     }
@@ -178,18 +177,22 @@ static double commonest(const double *height, const double *area, int count) {
     return best;
 }
 
-static bool holds_rooms(const IfcPlan *p, int storey, bool spaces) {
+// Which storeys of the file hold a space or a door, or, where there are no spaces, a wall: [model->storey_count].
+static bool *find_used(IfcPlan *p) {
     const IfcModel *m = p->model;
-    for (int i = 0; i < p->room_count; i++)
-        if (m->products[p->rooms[i].product].storey == storey) return true;
+    bool *used = ARENA_ARRAY(&p->scratch, bool, m->storey_count);
+    for (int i = 0; i < p->room_count; i++) {
+        int storey = m->products[p->rooms[i].product].storey;
+        if (storey >= 0) used[storey] = true;
+    }
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
-        if (it->storey != storey || box_is_empty(it->box)) continue;
-        if (it->kind == IFC_DOOR) return true;
-        if (!spaces && it->kind == IFC_WALL && it->box.max.z - it->box.min.z >= SKETCH_LEAST_ROOM)
-            return true;
+        if (it->storey < 0 || box_is_empty(it->box)) continue;
+        bool wall =
+            p->room_count == 0 && it->kind == IFC_WALL && it->box.max.z - it->box.min.z >= SKETCH_LEAST_ROOM;
+        used[it->storey] |= it->kind == IFC_DOOR || wall;
     }
-    return false;
+    return used;
 }
 
 static int by_elevation(const void *pa, const void *pb) {
@@ -204,8 +207,9 @@ static Level *find_levels(IfcPlan *p, int *count) {
     Level *levels = NULL;
     int capacity = 0;
     *count = 0;
+    const bool *used = find_used(p);
     for (int i = 0; i < m->storey_count; i++)
-        if (holds_rooms(p, i, p->room_count > 0))
+        if (used[i])
             *ARENA_PUSH(&p->scratch, levels, *count, capacity) =
                 (Level){m->storeys[i].elevation, m->storeys[i].name, i};
     if (*count > 0) return levels;
@@ -236,6 +240,23 @@ static void place_rooms(IfcPlan *p) {
     }
 }
 
+// The rooms of each storey in their order: list[first[s]] .. list[first[s + 1] - 1].
+typedef struct RoomLists {
+    int *first, *list;
+} RoomLists;
+
+static RoomLists list_rooms(IfcPlan *p) {
+    int storeys = p->b->storey_count;
+    RoomLists out = {ARENA_ARRAY(&p->scratch, int, storeys + 1),
+                     ARENA_ARRAY(&p->scratch, int, p->room_count + 1)};
+    for (int i = 0; i < p->room_count; i++) out.first[p->rooms[i].storey + 1]++;
+    for (int s = 0; s < storeys; s++) out.first[s + 1] += out.first[s];
+    int *fill = ARENA_ARRAY(&p->scratch, int, storeys + 1);
+    memcpy(fill, out.first, (size_t)storeys * sizeof *fill);
+    for (int i = 0; i < p->room_count; i++) out.list[fill[p->rooms[i].storey]++] = i;
+    return out;
+}
+
 // The floor and the ceiling of each storey are those of the greatest part of its spaces.
 static void measure_storeys(IfcPlan *p) {
     Building *b = p->b;
@@ -243,13 +264,14 @@ static void measure_storeys(IfcPlan *p) {
     int most = p->room_count + m->product_count;
     double *low = ARENA_ARRAY(&p->scratch, double, most), *high = ARENA_ARRAY(&p->scratch, double, most),
            *area = ARENA_ARRAY(&p->scratch, double, most);
+    RoomLists rooms = list_rooms(p);
     for (int s = 0; s < b->storey_count; s++) {
         int count = 0;
-        for (int i = 0; i < p->room_count; i++) {
-            if (p->rooms[i].storey != s) continue;
-            low[count] = p->rooms[i].z0;
-            high[count] = p->rooms[i].z1;
-            area[count++] = p->rooms[i].area;
+        for (int i = rooms.first[s]; i < rooms.first[s + 1]; i++) {
+            const IfcRoom *room = &p->rooms[rooms.list[i]];
+            low[count] = room->z0;
+            high[count] = room->z1;
+            area[count++] = room->area;
         }
         bool spaces = count > 0;
         for (int i = 0; !spaces && i < m->product_count; i++) {
@@ -270,8 +292,7 @@ static void measure_storeys(IfcPlan *p) {
     for (int s = 0; s < b->storey_count; s++) {
         Storey *storey = &b->storeys[s], *above = s + 1 < b->storey_count ? storey + 1 : NULL;
         // Walls reach up to the next floor; the ceiling lies below its slab.
-        bool spaces = false;
-        for (int i = 0; i < p->room_count; i++) spaces = spaces || p->rooms[i].storey == s;
+        bool spaces = rooms.first[s + 1] > rooms.first[s];
         if (above && !spaces && above->floor > storey->floor + DEFAULT_HEIGHT)
             storey->height = maps_snap(fmin(storey->height, above->floor - storey->floor - DEFAULT_SLAB));
         const Storey *below = s ? storey - 1 : NULL;
@@ -484,10 +505,13 @@ static double open_length(IfcPlan *p, const IfcRoom *room, double *share) {
 static bool is_roofed(IfcPlan *p, const IfcRoom *room) {
     const IfcModel *m = p->model;
     SolidOutlines over = {NULL, 0, 0};
+    Box box = m->products[room->product].box;
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
         bool roof = it->kind == IFC_ROOF || it->kind == IFC_SLAB || it->kind == IFC_COVERING;
-        if (!roof || box_is_empty(it->box) || it->box.max.z < room->z0 + SKETCH_LEAST_ROOM) continue;
+        if (!roof || it->box.max.z < room->z0 + SKETCH_LEAST_ROOM || it->box.min.x > box.max.x ||
+            it->box.max.x < box.min.x || it->box.min.y > box.max.y || it->box.max.y < box.min.y)
+            continue;
         trace_mesh(p, &it->mesh);
         SolidOutlines part = solid_cover(p->tracer, fmax(it->box.min.z, room->z0 + STEP), it->box.max.z);
         for (int k = 0; k < part.count; k++)
@@ -601,17 +625,20 @@ static void plan_wall(IfcPlan *p, int product) {
     const Building *b = p->b;
     const IfcProduct *it = &p->model->products[product];
     Box box = it->box;
-    for (int i = 0; it->kind == IFC_CURTAIN_WALL && i < p->model->product_count; i++)
-        if (p->model->products[i].whole == product && !box_is_empty(p->model->products[i].box))
-            box = box_union(box, p->model->products[i].box);
+    for (int i = p->first_part[product]; it->kind == IFC_CURTAIN_WALL && i < p->first_part[product + 1];
+         i++) {
+        Box part = p->model->products[p->parts[i]].box;
+        if (!box_is_empty(part)) box = box_union(box, part);
+    }
     if (box_is_empty(box)) return;
     double low = box.min.z, high = box.max.z, reached = -INFINITY;
     SolidOutlines *all = &p->walls[product];
     for (int s = 0; s < b->storey_count; s++) {
         const Storey *storey = &b->storeys[s];
         double floor = storey->floor, ceiling = floor + storey->height;
+        if (low > floor + STEP || high <= floor) continue;
         double share = (fmin(high, ceiling) - fmax(low, floor)) / storey->height;
-        if (share < WALL_SHARE || low > floor + STEP) continue;
+        if (share < WALL_SHARE) continue;
         double top = high > ceiling - CEILING_GAP ? ceiling : high;
         SolidOutlines parts = cover(p, product, fmax(low, floor) + TRACE, fmin(high, top) - TRACE);
         for (int i = 0; i < parts.count; i++) {
@@ -649,9 +676,9 @@ static const double SLAB_SHARE = 0.3;
 static SolidOutlines slabs_of(IfcPlan *p, double floor) {
     const IfcModel *m = p->model;
     SolidOutlines out = {NULL, 0, 0};
-    for (int i = 0; i < m->product_count; i++) {
-        const IfcProduct *it = &m->products[i];
-        if (it->kind != IFC_SLAB || box_is_empty(it->box) || it->box.max.z < floor - SLAB_BELOW ||
+    for (int i = 0; i < p->floor_count; i++) {
+        const IfcProduct *it = &m->products[p->floors[i]];
+        if (it->kind != IFC_SLAB || it->box.max.z < floor - SLAB_BELOW ||
             it->box.max.z > floor + SLAB_ABOVE || ifc_is_stair(m, it))
             continue;
         double middle = it->box.max.z - fmin(0.05, (it->box.max.z - it->box.min.z) / 2);
@@ -690,21 +717,40 @@ bool ifc_is_stair(const IfcModel *m, const IfcProduct *it) {
     return it->kind == IFC_SLAB && (of_stair || strcasecmp(it->predefined, "LANDING") == 0);
 }
 
-// The box of a flight with all flights and landings of its stair.
-static Box stair_box(const IfcModel *m, int product) {
-    const IfcProduct *it = &m->products[product];
-    Box box = it->box;
-    for (int i = 0; it->whole >= 0 && i < m->product_count; i++)
-        if (m->products[i].whole == it->whole && ifc_is_stair(m, &m->products[i]) &&
-            !box_is_empty(m->products[i].box))
-            box = box_union(box, m->products[i].box);
-    return box;
+// A flight or landing, and the box of all flights and landings of its stair.
+typedef struct StairPart {
+    int product;
+    Box box;
+} StairPart;
+
+typedef struct StairParts {
+    StairPart *items;
+    int count, capacity;
+} StairParts;
+
+static StairParts find_stairs(IfcPlan *p) {
+    const IfcModel *m = p->model;
+    StairParts out = {NULL, 0, 0};
+    Box *whole = ARENA_ARRAY(&p->scratch, Box, m->product_count);
+    for (int i = 0; i < m->product_count; i++) whole[i] = box_empty();
+    for (int i = 0; i < m->product_count; i++) {
+        const IfcProduct *it = &m->products[i];
+        if (box_is_empty(it->box) || !ifc_is_stair(m, it)) continue;
+        *ARENA_PUSH(&p->scratch, out.items, out.count, out.capacity) = (StairPart){i, it->box};
+        if (it->whole >= 0) whole[it->whole] = box_union(whole[it->whole], it->box);
+    }
+    for (int i = 0; i < out.count; i++) {
+        int of = m->products[out.items[i].product].whole;
+        if (of >= 0) out.items[i].box = whole[of];
+    }
+    return out;
 }
 
 // The lowest ceiling of the rooms through which a stair leads, at most `z`.
-static double ceiling_over(const IfcPlan *p, Box stair, double z) {
-    for (int i = 0; i < p->room_count; i++) {
-        const IfcRoom *room = &p->rooms[i];
+static double ceiling_over(IfcPlan *p, Box stair, double z) {
+    int count = box_tree_find(&p->room_tree, stair, &p->scratch, &p->near);
+    for (int i = 0; i < count; i++) {
+        const IfcRoom *room = &p->rooms[p->near.items[i]];
         if (room->z0 <= stair.min.z + STEP && room->z1 > stair.min.z + STEP &&
             box_overlap(p->model->products[room->product].box, stair))
             z = fmin(z, room->z1);
@@ -713,15 +759,13 @@ static double ceiling_over(const IfcPlan *p, Box stair, double z) {
 }
 
 // Stairs that lead up to a floor need a hole in it, whether the slab has one or not: over all steps on which a person meets the ceiling.
-static void cut_for_stairs(IfcPlan *p, int storey) {
-    const IfcModel *m = p->model;
+static void cut_for_stairs(IfcPlan *p, const StairParts *stairs, int storey) {
     SolidOutlines all = {NULL, 0, 0};
     double floor = p->b->storeys[storey].floor;
-    for (int i = 0; i < m->product_count; i++) {
-        const IfcProduct *it = &m->products[i];
-        if (!ifc_is_stair(m, it) || box_is_empty(it->box)) continue;
-        Box stair = stair_box(m, i);
+    for (int i = 0; i < stairs->count; i++) {
+        Box stair = stairs->items[i].box;
         if (stair.max.z < floor - STEP || stair.min.z > floor - 1) continue;
+        const IfcProduct *it = &p->model->products[stairs->items[i].product];
         double from = fmax(ceiling_over(p, stair, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
         // The last step may be level with the floor, or the floor itself.
         if (from >= fmin(it->box.max.z, floor - LEAST_SLAB)) continue;
@@ -734,41 +778,45 @@ static void cut_for_stairs(IfcPlan *p, int storey) {
 }
 
 static void cut_floors(IfcPlan *p) {
+    StairParts stairs = find_stairs(p);
+    RoomLists lists = list_rooms(p);
     for (int s = 1; s < p->b->storey_count; s++) {
         SolidOutlines rooms = {NULL, 0, 0}, below = {NULL, 0, 0};
-        for (int i = 0; i < p->room_count; i++) {
-            const IfcRoom *room = &p->rooms[i];
-            if (room->storey == s) append_all(p, &rooms, &room->outline);
-            if (room->storey < s && room->z1 > p->b->storeys[s].floor - STOREY_REACH - p->b->storeys[s].slab)
-                append_all(p, &below, &room->outline);
+        const Storey *storey = &p->b->storeys[s];
+        for (int i = lists.first[s]; i < lists.first[s + 1]; i++)
+            append_all(p, &rooms, &p->rooms[lists.list[i]].outline);
+        double low = storey->floor - STOREY_REACH - storey->slab;
+        Box under = {vec3(-INFINITY, -INFINITY, low), vec3(INFINITY, INFINITY, storey->floor + STOREY_REACH)};
+        box_tree_find(&p->room_tree, under, &p->scratch, &p->near);
+        for (int i = 0; i < p->near.count; i++) {
+            const IfcRoom *room = &p->rooms[p->near.items[i]];
+            if (room->storey < s && room->z1 > low) append_all(p, &below, &room->outline);
         }
-        SolidOutlines slabs = slabs_of(p, p->b->storeys[s].floor);
+        SolidOutlines slabs = slabs_of(p, storey->floor);
         if (rooms.count && below.count && slabs.count &&
             solid_common_area(p->tracer, &rooms, &slabs) >= SLAB_SHARE * area_of(&rooms)) {
             SolidOutlines holes = solid_difference(p->tracer, &rooms, &slabs, HOLE_WIDTH);
             add_cutouts(p, s, &holes, &below, "hole in the floor");
         }
-        cut_for_stairs(p, s);
+        cut_for_stairs(p, &stairs, s);
     }
 }
 
 // The ground lies at the floor of the storey that has most doors between a space and none; without such doors, at the lowest floor.
 static void find_ground(IfcPlan *p) {
-    int most = 0, best = -1;
-    for (int s = 0; s < p->b->storey_count; s++) {
-        int doors = 0;
-        for (int i = 0; i < p->sketch.opening_count; i++) {
-            const IfcHole *h = &p->holes[i];
-            if (p->sketch.openings[i].kind != OPENING_DOOR || p->sketch.openings[i].storey != s) continue;
-            int sides = 0;
-            for (int side = -1; side <= 1; side += 2) {
-                Vec2 at = vec2_add(h->centre, vec2_scale(h->n, side * (h->depth / 2 + 0.3)));
-                sides += ifc_room_at(p, -1, vec3(at.x, at.y, h->z0 + 1)) >= 0;
-            }
-            doors += sides == 1;
+    int most = 0, best = -1, *doors = ARENA_ARRAY(&p->scratch, int, p->b->storey_count);
+    for (int i = 0; i < p->sketch.opening_count; i++) {
+        const IfcHole *h = &p->holes[i];
+        if (p->sketch.openings[i].kind != OPENING_DOOR) continue;
+        int sides = 0;
+        for (int side = -1; side <= 1; side += 2) {
+            Vec2 at = vec2_add(h->centre, vec2_scale(h->n, side * (h->depth / 2 + 0.3)));
+            sides += ifc_room_at(p, -1, vec3(at.x, at.y, h->z0 + 1)) >= 0;
         }
-        if (doors > most) most = doors, best = s;
+        doors[p->sketch.openings[i].storey] += sides == 1;
     }
+    for (int s = 0; s < p->b->storey_count; s++)
+        if (doors[s] > most) most = doors[s], best = s;
     p->sketch.ground = p->b->storeys[best < 0 ? 0 : best].floor;
 }
 

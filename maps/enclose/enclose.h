@@ -238,6 +238,23 @@ void indoor_report(Enclosure *e);  // areas, terraces, openings that lie over on
 void leaks_report(Enclosure *e);   // the way from each open room to the hole and out
 
 // ---- enclose_columns.c
+// The first of `count` spans of a column that ends above a height.
+static inline int span_above(const Span *spans, int count, double z) {
+    int low = 0, high = count;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (spans[middle].z1 > z)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+// The same of the column over a face, in e->spans; the column's end where there is none.
+static inline int face_span_above(const Enclosure *e, int face, double z) {
+    int first = e->first_span[face];
+    return first + span_above(e->spans + first, e->first_span[face + 1] - first, z);
+}
 void columns_build(Enclosure *e);
 void columns_drop_unseen_outdoors(Enclosure *e);
 static inline bool span_equal(const Span *a, const Span *b) {

@@ -33,26 +33,13 @@ static Span span(int kind, int id, int storey, double z0, double z1) {
     return (Span){kind, id, storey, z0, z1, -1};
 }
 
-// The first span that ends above the height.
-static int span_above(const Painter *p, double z) {
-    int low = 0, high = p->count;
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (p->spans[middle].z1 > z)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
 // Paints a span over the column. No two neighbouring spans are alike, before and after.
 static void paint(Painter *p, Span s) {
     double bottom = p->spans[0].z0, top = p->spans[p->count - 1].z1;
     s.z0 = fmax(s.z0, bottom);
     s.z1 = fmin(s.z1, top);
     if (s.z0 >= s.z1) return;
-    int first = span_above(p, s.z0), last = first, count = 0;
+    int first = span_above(p->spans, p->count, s.z0), last = first, count = 0;
     while (last + 1 < p->count && p->spans[last + 1].z0 < s.z1) last++;
     Span below = p->spans[first], above = p->spans[last], made[5];
     below.z1 = fmin(below.z1, s.z0);

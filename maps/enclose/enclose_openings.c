@@ -331,7 +331,9 @@ static double contact(const Enclosure *e, int h, const Span *s, const Span *o) {
 }
 
 static int span_of_hole(const Enclosure *e, int face, int hole) {
-    for (int i = e->first_span[face]; i < e->first_span[face + 1]; i++) {
+    const Hole *h = &e->holes[hole];
+    for (int i = face_span_above(e, face, h->sill); i < e->first_span[face + 1] && e->spans[i].z0 < h->head;
+         i++) {
         if (e->spans[i].kind == SPAN_OPENING && e->spans[i].id / 2 == hole) return i;
     }
     return -1;
@@ -366,12 +368,13 @@ static bool on_side(const Enclosure *e, int hole, int side, int h) {
 // Adds up the contacts of a span; other openings' spans not met before go into the queue. Returns the queue's new end.
 static int spread(const Enclosure *e, Flood *flood, int span, int face, int hole, int side, int tail) {
     const Plan *p = &e->pass.plan;
+    const Span *s = &e->spans[span];
     for (int k = 0; k < p->faces[face].half_count; k++) {
         int h = p->halves[p->faces[face].first_half + k], g = half_right(p, h);
         if (g < 0 || (hole >= 0 && !on_side(e, hole, side, h))) continue;
-        for (int i = e->first_span[g]; i < e->first_span[g + 1]; i++) {
+        for (int i = face_span_above(e, g, s->z0); i < e->first_span[g + 1] && e->spans[i].z0 < s->z1; i++) {
             const Span *o = &e->spans[i];
-            double area = contact(e, h, &e->spans[span], o);
+            double area = contact(e, h, s, o);
             if (area <= 0) continue;
             if (is_space(o) && o->region >= 0) add_contact(flood, o->region, area);
             if (o->kind != SPAN_OPENING || flood->mark[i]) continue;

@@ -168,10 +168,8 @@ static bool columns_equal(const Enclosure *e, int f, int g) {
 
 static int matching_span(const Enclosure *e, int span, int face) {
     if (face < 0) return -1;
-    for (int i = e->first_span[face]; i < e->first_span[face + 1]; i++) {
-        if (span_equal(&e->spans[span], &e->spans[i])) return i;
-    }
-    return -1;
+    int i = face_span_above(e, face, e->spans[span].z0);
+    return i < e->first_span[face + 1] && span_equal(&e->spans[span], &e->spans[i]) ? i : -1;
 }
 
 static void join_spans(Tracer *t) {

@@ -344,7 +344,7 @@ static int by_left(const void *p, const void *q) {
     return (a->region > b->region) - (a->region < b->region);
 }
 
-// Only regions that lie in one another's reach along x: maps have thousands.
+// Only regions that lie in one another's reach: maps have thousands, and in a tower most lie over one another.
 static void check_pairs(Check *c, const Outline *outlines) {
     const Building *b = c->b;
     Swept *order = ARENA_ARRAY(c->scratch, Swept, b->region_count + 1);
@@ -353,14 +353,21 @@ static void check_pairs(Check *c, const Outline *outlines) {
         if (outlines[i].sound) order[count++] = (Swept){outlines[i].min.x, i};
     }
     qsort(order, (size_t)count, sizeof *order, by_left);
+    Box *boxes = ARENA_ARRAY(c->scratch, Box, count + 1);
+    for (int i = 0; i < count; i++) {
+        const Outline *o = &outlines[order[i].region];
+        const Region *r = &b->regions[order[i].region];
+        boxes[i] = (Box){vec3(o->min.x, o->min.y, r->z0), vec3(o->max.x, o->max.y, r->z1)};
+    }
+    BoxTree tree = box_tree_build(boxes, count, c->scratch);
+    BoxHits beside = {0};
     for (int i = 0; i < count; i++) {
         const Outline *p = &outlines[order[i].region];
-        for (int k = i + 1; k < count && order[k].left <= p->max.x; k++) {
-            int first = order[i].region, second = order[k].region;
-            const Region *r = &b->regions[first], *s = &b->regions[second];
+        box_tree_find(&tree, boxes[i], c->scratch, &beside);
+        for (int k = 0; k < beside.count; k++) {
+            if (beside.items[k] <= i) continue;
+            int first = order[i].region, second = order[beside.items[k]].region;
             const Outline *q = &outlines[second];
-            if (fmax(r->z0, s->z0) > fmin(r->z1, s->z1) || p->max.y < q->min.y || q->max.y < p->min.y)
-                continue;
             if (first < second) {
                 check_pair(c, first, second, p, q);
             } else {

@@ -78,6 +78,57 @@ static void add_vertical(CellBuilder *builder, const PlanEdge *e, const PlanEdge
     portal->door = door_between(builder->building, p, q);
 }
 
+// An edge of a stack by the foot of its cell, and a pair of edges that share heights.
+typedef struct Foot {
+    double z;
+    int edge;
+} Foot;
+typedef struct EdgePair {
+    int first, second;
+} EdgePair;
+typedef struct Stack {
+    Foot *feet;
+    EdgePair *pairs;
+    int foot_capacity, pair_capacity;
+} Stack;
+
+static int by_foot(const void *p, const void *q) {
+    const Foot *a = p, *b = q;
+    if (a->z != b->z) return a->z < b->z ? -1 : 1;
+    return (a->edge > b->edge) - (a->edge < b->edge);
+}
+
+static int by_edges(const void *p, const void *q) {
+    const EdgePair *a = p, *b = q;
+    if (a->first != b->first) return a->first < b->first ? -1 : 1;
+    return (a->second > b->second) - (a->second < b->second);
+}
+
+// The portals of cells that stand over one another along one line of the plan: in a tower these are many, of which few share heights.
+static void add_stack(CellBuilder *builder, const PlanEdge *edges, int count, Stack *stack) {
+    const CellGraph *graph = builder->graph;
+    int feet = 0, pairs = 0;
+    if (count < 2) return;
+    for (int i = 0; i < count; i++)
+        *ARENA_APPEND(builder->scratch, stack->feet, feet, stack->foot_capacity) =
+            (Foot){graph->cells[edges[i].cell].z0, i};
+    qsort(stack->feet, (size_t)count, sizeof *stack->feet, by_foot);
+    for (int i = 0; i < count; i++) {
+        int low = stack->feet[i].edge;
+        double top = graph->cells[edges[low].cell].z1;
+        for (int k = i + 1; k < count && stack->feet[k].z < top; k++) {
+            int high = stack->feet[k].edge;
+            if (vec2_equal(graph->plan[edges[low].edge], graph->plan[edges[high].edge]))
+                continue;  // the same way
+            *ARENA_APPEND(builder->scratch, stack->pairs, pairs, stack->pair_capacity) =
+                low < high ? (EdgePair){low, high} : (EdgePair){high, low};
+        }
+    }
+    if (pairs > 1) qsort(stack->pairs, (size_t)pairs, sizeof *stack->pairs, by_edges);
+    for (int i = 0; i < pairs; i++)
+        add_vertical(builder, &edges[stack->pairs[i].first], &edges[stack->pairs[i].second]);
+}
+
 static void add_verticals(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     PlanEdge *edges = ARENA_ARRAY(builder->scratch, PlanEdge, graph->plan_count);
@@ -91,12 +142,13 @@ static void add_verticals(CellBuilder *builder) {
         }
     }
     qsort(edges, (size_t)graph->plan_count, sizeof *edges, by_ends);
-    for (int i = 0; i < graph->plan_count; i++) {
-        for (int j = i + 1; j < graph->plan_count; j++) {
-            if (!vec2_equal(edges[i].a, edges[j].a) || !vec2_equal(edges[i].b, edges[j].b)) break;
-            bool same_way = vec2_equal(graph->plan[edges[i].edge], graph->plan[edges[j].edge]);
-            if (!same_way) add_vertical(builder, &edges[i], &edges[j]);
-        }
+    Stack stack = {0};
+    for (int i = 0, next; i < graph->plan_count; i = next) {
+        next = i + 1;
+        while (next < graph->plan_count && vec2_equal(edges[i].a, edges[next].a) &&
+               vec2_equal(edges[i].b, edges[next].b))
+            next++;
+        add_stack(builder, edges + i, next - i, &stack);
     }
 }
 

@@ -23,10 +23,18 @@ int ifc_chords(const Reader *r, double radius, double angle) {
 
 static void push_arc(Reader *r, const Frame *f, double a, double b, double from, double angle, Curve *out) {
     int chords = ifc_chords(r, a > b ? a : b, angle);
+    bool begins = out->count == 0;
     for (int i = 0; i <= chords; i++) {
         double t = from + angle * i / chords;
         ifc_curve_push(r, out, frame_point(f, vec3(a * cos(t), b * sin(t), 0)));
     }
+    Vec3 way[2];
+    for (int i = 0; i < 2; i++) {
+        double t = i ? from + angle : from;
+        way[i] = vec3_normalize(frame_turn(f, vec3(-a * sin(t) * angle, b * cos(t) * angle, 0)));
+    }
+    if (begins) out->first = way[0];
+    out->last = way[1];
 }
 
 // ---- trims
@@ -133,8 +141,11 @@ static void open_curve(Reader *r, Curve *curve) {
     curve->closed = false;
 }
 
-static void turn_about(Curve *curve, int from) {
-    for (int i = from, k = curve->count - 1; i < k; i++, k--) {
+static void turn_about(Curve *curve) {
+    Vec3 first = curve->first;
+    curve->first = vec3_scale(curve->last, -1);
+    curve->last = vec3_scale(first, -1);
+    for (int i = 0, k = curve->count - 1; i < k; i++, k--) {
         Vec3 keep = curve->points[i];
         curve->points[i] = curve->points[k];
         curve->points[k] = keep;
@@ -171,7 +182,7 @@ static bool trimmed_curve(Reader *r, int record, Curve *out) {
         }
     }
     open_curve(r, &basis);
-    if (!forwards) turn_about(&basis, 0);
+    if (!forwards) turn_about(&basis);
     for (int i = 0; i < basis.count; i++) ifc_curve_push(r, out, basis.points[i]);
     return true;
 }
@@ -190,15 +201,17 @@ static bool composite(Reader *r, int record, Curve *out) {
             continue;
         }
         open_curve(r, &part);
-        if (ifc_is(r, &v[1], "F")) turn_about(&part, 0);
+        if (ifc_is(r, &v[1], "F")) turn_about(&part);
         // Programs tell the sense of an arc in two ways; where only the other end fits, the part runs the other way.
         if (out->count > 0 && part.count > 1) {
             Vec3 end = out->points[out->count - 1];
             double first = vec3_length(vec3_sub(part.points[0], end)),
                    last = vec3_length(vec3_sub(part.points[part.count - 1], end));
-            if (last < 1e-4 && first > 1e-3) turn_about(&part, 0);
+            if (last < 1e-4 && first > 1e-3) turn_about(&part);
         }
+        if (out->count == 0) out->first = part.first;
         for (int i = 0; i < part.count; i++) ifc_curve_push(r, out, part.points[i]);
+        out->last = part.last;
     }
     return good && out->count > 1;
 }
@@ -352,7 +365,7 @@ bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curv
         Curve curve = {0};
         if (!ifc_curve(r, record, &curve)) return false;
         open_curve(r, &curve);
-        if (!same_sense) turn_about(&curve, 0);
+        if (!same_sense) turn_about(&curve);
         for (int i = 0; i < curve.count; i++)
             ifc_curve_push(r, out, i == 0 ? start : i + 1 == curve.count ? end : curve.points[i]);
         return true;

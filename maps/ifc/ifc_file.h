@@ -123,6 +123,8 @@ typedef struct Curve {
     Vec3 *points;
     int count, room;
     bool closed;
+    Vec3 first,
+        last;  // the directions at its ends, where these are those of an arc; else 0: those of its edges
 } Curve;
 bool ifc_curve(Reader *r, int record, Curve *out);
 // The part of a curve from one parameter to a larger one: angles of conics, lengths of a line's vector, points of polylines. Other curves

@@ -194,6 +194,8 @@ static Vec3 *tangents(Reader *r, const Curve *c) {
         Vec3 before = vec3_sub(c->points[i], c->points[(i + c->count - 1) % c->count]);
         Vec3 after = vec3_sub(c->points[(i + 1) % c->count], c->points[i]);
         Vec3 t = first ? after : last ? before : vec3_add(vec3_normalize(before), vec3_normalize(after));
+        if (first && vec3_length(c->first) > 0) t = c->first;
+        if (last && vec3_length(c->last) > 0) t = c->last;
         out[i] = vec3_normalize(vec3_length(t) > 1e-9 ? t : before);
     }
     return out;
@@ -208,7 +210,13 @@ static void next_ring(const Vec3 *from, int count, Vec3 along, Vec3 point, Vec3 
     }
 }
 
-// Sweeps rings, whose points lie in the plane square to the curve at its first point.
+// The direction in which an open curve begins, or in which a closed one leaves its first point.
+static Vec3 start_of(const Curve *c) {
+    return !c->closed && vec3_length(c->first) > 0 ? c->first
+                                                   : vec3_normalize(vec3_sub(c->points[1], c->points[0]));
+}
+
+// Sweeps rings, whose points lie in the plane square to the curve's start.
 static void sweep_along(Reader *r, const Profile *p, const Vec3 *start, const Curve *c, Shape *out) {
     int count = p->rings.count, rings = c->count + c->closed;
     Vec3 *tangent = tangents(r, c), **ring = ARENA_ARRAY(&r->scratch, Vec3 *, rings + 1);
@@ -260,8 +268,7 @@ bool ifc_swept_disk(Reader *r, int record, Shape *out) {
     }
     Profile disk = {0};
     circle_profile(r, radius, inner, &disk);
-    Vec3 z = vec3_normalize(vec3_sub(line.points[1], line.points[0])),
-         x = fabs(z.x) < 0.6 ? vec3(1, 0, 0) : vec3(0, 1, 0);
+    Vec3 z = start_of(&line), x = fabs(z.x) < 0.6 ? vec3(1, 0, 0) : vec3(0, 1, 0);
     x = vec3_normalize(vec3_sub(x, vec3_scale(z, vec3_dot(x, z))));
     Frame f = {x, vec3_cross(z, x), z, line.points[0]};
     for (int i = 0; i < disk.rings.count; i++) disk.rings.points[i] = frame_point(&f, disk.rings.points[i]);
@@ -282,7 +289,7 @@ bool ifc_directed_sweep(Reader *r, int record, Shape *out) {
         line.count < 2)
         return false;
     Frame place = ifc_axes(r, v[1].record);
-    Vec3 z = vec3_normalize(vec3_sub(line.points[1], line.points[0])), reference = vec3(0, 0, 1);
+    Vec3 z = start_of(&line), reference = vec3(0, 0, 1);
     if (ifc_type(r, record) == T_FIXEDREFERENCESWEPTAREASOLID) {
         reference = ifc_direction(r, v[5].record, reference);
     } else if (ifc_type(r, v[5].record) == T_PLANE && ifc_arguments(r, v[5].record, w, 1)) {

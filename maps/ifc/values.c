@@ -277,4 +277,5 @@ void ifc_curve_push(Reader *r, Curve *curve, Vec3 point) {
     if (curve->count > 0 && vec3_length(vec3_sub(curve->points[curve->count - 1], point)) < IFC_SAME_POINT)
         return;
     *ARENA_PUSH(&r->scratch, curve->points, curve->count, curve->room) = point;
+    curve->last = vec3(0, 0, 0);
 }

@@ -7,6 +7,8 @@
 #include "maps/ifc/ifc_building.h"
 
 // Radiant flux of a light fixture, W: some 2,300 lm, as a luminaire of an office has. Files seldom say it.
+// A thing that ends no higher above a floor than this lies under the floor, metres.
+static const double UNDER_FLOOR = 0.02;
 static const double LAMP_WATTS = 10;
 static const double LAMP_RADIUS = 0.0325;
 // A polygon this near to the floor or the ceiling of a room lies in it, metres.
@@ -285,6 +287,8 @@ static void add_product(IfcPlan *p, int product) {
         box = true;
         break;
     }
+    // A foundation that ends at the floor is in nobody's way.
+    box = box && it->box.max.z > p->b->storeys[ifc_storey_at(p, it->box.max.z)].floor + UNDER_FLOOR;
     object = ifc_add_mesh(p, &it->mesh, kind, name, otherwise);
     if (object >= 0 && box) building_set_proxy(p->b, atan2(it->axis[0].y, it->axis[0].x));
     if (it->kind == IFC_LIGHT && object >= 0) add_fixture(p, product, object);

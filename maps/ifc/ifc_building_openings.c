@@ -23,6 +23,8 @@ static const double THROUGH = 0.8;
 static const double THICKEST_WALL = 2;
 // Sides of a wall shorter than this tell no direction, metres.
 static const double LEAST_SIDE = 0.02;
+// An opening that reaches farther beyond its wall's end than this is cut off there, metres.
+static const double BEYOND_END = 0.01;
 // Depth of a door that stands in no wall, metres.
 static const double NO_WALL_DEPTH = 0.1;
 // A cut-out that fills its rectangle to this share is a rectangle.
@@ -98,14 +100,49 @@ static Box polygon_box(const IfcHole *h, const IfcMesh *mesh, int polygon) {
     return frame_box(h, mesh->corners + at->first_corner, at->corner_count);
 }
 
+static bool covers(const SolidOutlines *wall, Vec2 at) {
+    for (int i = 0; i < wall->count; i++)
+        if (solid_contains(&wall->items[i], at)) return true;
+    return false;
+}
+
 // The wall in which a door that fills no opening stands, -1: none.
 static int wall_near(IfcPlan *p, const IfcProduct *it) {
     Vec3 middle = vec3_lerp(it->box.min, it->box.max, 0.5);
     int count = box_tree_find(&p->wall_tree, (Box){middle, middle}, &p->scratch, &p->near);
     for (int i = 0; i < count; i++)
-        for (int k = 0, wall = p->near.items[i]; k < p->walls[wall].count; k++)
-            if (solid_contains(&p->walls[wall].items[k], plan_of(middle))) return wall;
+        if (covers(&p->walls[p->near.items[i]], plan_of(middle))) return p->near.items[i];
     return -1;
+}
+
+// The middle of what two boxes have in common; that of the first where they have nothing.
+static Vec3 common_middle(Box a, Box b) {
+    Vec3 min = vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),
+         max = vec3(fmin(a.max.x, b.max.x), fmin(a.max.y, b.max.y), fmin(a.max.z, b.max.z));
+    bool common = min.x <= max.x && min.y <= max.y && min.z <= max.z;
+    return common ? vec3_lerp(min, max, 0.5) : vec3_lerp(a.min, a.max, 0.5);
+}
+
+// An opening around a corner of the house reaches beyond its wall's end: its box, in its own frame, ends there. One whose middle is beside
+// the wall also ends at the wall's sides.
+static void clip_to_wall(const SolidOutlines *wall, const IfcHole *h, bool sides, Box *box) {
+    double low = INFINITY, high = -INFINITY, back = INFINITY, front = -INFINITY;
+    for (int i = 0; i < wall->count; i++) {
+        const SolidOutline *o = &wall->items[i];
+        if (!solid_contains(o, h->centre)) continue;
+        for (int k = 0; k < o->ring[1]; k++) {
+            Vec2 d = vec2_sub(o->points[k], h->centre);
+            low = fmin(low, vec2_dot(d, h->u));
+            high = fmax(high, vec2_dot(d, h->u));
+            back = fmin(back, vec2_dot(d, h->n));
+            front = fmax(front, vec2_dot(d, h->n));
+        }
+    }
+    if (box->min.x < low - BEYOND_END) box->min.x = low;
+    if (box->max.x > high + BEYOND_END) box->max.x = high;
+    if (!sides) return;
+    box->min.y = fmax(box->min.y, back);
+    box->max.y = fmin(box->max.y, front);
 }
 
 // Finds the opening's frame from the body that is cut out, or from that of a door that stands free.
@@ -113,6 +150,8 @@ static bool find_frame(IfcPlan *p, int product, const IfcProduct *body, int wall
     const IfcProduct *it = &p->model->products[product];
     Vec3 middle = vec3_lerp(body->box.min, body->box.max, 0.5);
     Vec2 axis = plan_of(it->axis[0]), along;
+    bool off_wall = wall >= 0 && !covers(&p->walls[wall], plan_of(middle));
+    if (off_wall) middle = common_middle(body->box, p->wall_box[wall]);
     h->product = product;
     h->centre = plan_of(middle);
     h->u = vec2_length(axis) > 0.5 ? vec2_scale(axis, 1 / vec2_length(axis)) : vec2(1, 0);
@@ -125,6 +164,7 @@ static bool find_frame(IfcPlan *p, int product, const IfcProduct *body, int wall
     h->n = vec2(-h->u.y, h->u.x);
     Box box = frame_box(h, body->mesh.corners, body->mesh.corner_count);
     if (box_is_empty(box)) return false;
+    if (thickness < THICKEST_WALL) clip_to_wall(&p->walls[wall], h, off_wall, &box);
     Vec2 shift = vec2_add(vec2_scale(h->u, (box.min.x + box.max.x) / 2),
                           vec2_scale(h->n, (box.min.y + box.max.y) / 2));
     h->width = box.max.x - box.min.x;

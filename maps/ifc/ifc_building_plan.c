@@ -509,8 +509,9 @@ static bool is_roofed(IfcPlan *p, const IfcRoom *room) {
     for (int i = 0; i < m->product_count; i++) {
         const IfcProduct *it = &m->products[i];
         bool roof = it->kind == IFC_ROOF || it->kind == IFC_SLAB || it->kind == IFC_COVERING;
-        if (!roof || it->box.max.z < room->z0 + SKETCH_LEAST_ROOM || it->box.min.x > box.max.x ||
-            it->box.max.x < box.min.x || it->box.min.y > box.max.y || it->box.max.y < box.min.y)
+        if (!roof || it->box.max.z < fmin(room->z0 + SKETCH_LEAST_ROOM, room->z1) ||
+            it->box.min.x > box.max.x || it->box.max.x < box.min.x || it->box.min.y > box.max.y ||
+            it->box.max.y < box.min.y)
             continue;
         trace_mesh(p, &it->mesh);
         SolidOutlines part = solid_cover(p->tracer, fmax(it->box.min.z, room->z0 + STEP), it->box.max.z);

@@ -228,6 +228,34 @@ Test(ifc_building, low_ceiling) {
     arena_free(&arena);
 }
 
+// A window around a corner is cut out of both walls as one large box: in each it ends where the wall does. A foundation under the floor is
+// in nobody's way.
+Test(ifc_building, corner_window) {
+    Arena arena = {0};
+    Building b;
+    House h = house_begin(&arena, false, vec2(0, 0), 0);
+    int walls[4], ground = house_storey(&h, "ground floor", 0);
+    house_walls(&h, ground, vec3(0, 0, 0), vec3(4, 3, 2.5), walls);
+    house_hole(&h, walls[0], vec3(-1.2, -1.2, 0.9), vec3(1, 1, 2.1));
+    house_hole(&h, walls[3], vec3(-1.2, -1.2, 0.9), vec3(1, 1, 2.1));
+    house_box(&h, "IFCFOOTING", "foundation", ground, vec3(-0.3, -0.3, -1), vec3(4.3, 3.3, 0));
+    house_read(&arena, house_end(&h), &b);
+    cr_assert_eq(b.opening_count, 2);
+    for (int i = 0; i < 2; i++) {
+        const Opening *o = &b.openings[i];
+        cr_expect_eq(o->kind, OPENING_WINDOW);
+        for (int k = 0; k < 2; k++)
+            cr_expect(o->line[k].x > -0.201 && o->line[k].y > -0.201, "opening %d ends at (%g, %g)", i,
+                      o->line[k].x, o->line[k].y);
+        // The south wall has the corner.
+        cr_expect_float_eq(vec2_length(vec2_sub(o->line[1], o->line[0])), i ? 1 : 1.2, 0.01, "opening %d", i);
+    }
+    for (int i = 0; i < b.object_count; i++)
+        if (strcmp(b.objects[i].name, "foundation") == 0)
+            cr_expect_geq(b.objects[i].proxy_z0, b.objects[i].proxy_z1);
+    arena_free(&arena);
+}
+
 // A space that others cover is a zone; a body without an outline, a niche and a hole for a pipe are told by entity.
 Test(ifc_building, left_out) {
     Arena arena = {0};
@@ -246,15 +274,19 @@ Test(ifc_building, left_out) {
     arena_free(&arena);
 }
 
-// A space under a roof, which no wall bounds at its eaves, is a room all the same; without the roof it is a terrace. Its slopes are there.
+// A space under a roof, which no wall bounds at its eaves, is a room all the same, though nobody can stand in it upright; without the roof
+// it is a terrace. Its slopes are there.
 Test(ifc_building, attic) {
-    for (int roofed = 0; roofed < 2; roofed++) {
+    static const double RIDGE[] = {5.5, 5.5, 4.6};  // the floor lies at 2.8
+    for (int kind = 0; kind < 3; kind++) {
         Arena arena = {0};
         Building b;
         House h = house_two_rooms(&arena, false, vec2(0, 0), 0, true);
-        int upper = house_storey(&h, "attic", 2.8);
-        int space = house_attic(&h, "2", "attic", upper, vec3(0, 0, 2.8), vec3(8.2, 3, 3), 5.5);
-        if (roofed) house_box(&h, "IFCROOF", "roof", upper, vec3(-1, -1, 5.6), vec3(9, 4, 5.8));
+        int upper = house_storey(&h, "attic", 2.8), roofed = kind > 0;
+        double ridge = RIDGE[kind];
+        int space = house_attic(&h, "2", "attic", upper, vec3(0, 0, 2.8), vec3(8.2, 3, 3), ridge);
+        if (roofed)
+            house_box(&h, "IFCROOF", "roof", upper, vec3(-1, -1, ridge + 0.1), vec3(9, 4, ridge + 0.2));
         house_read(&arena, house_end(&h), &b);
         cr_expect_eq(house_notes(&b, arena_format(&arena, "#%d space `2 attic` has no wall along", space)),
                      roofed);

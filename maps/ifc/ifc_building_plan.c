@@ -5,6 +5,7 @@
 #include <strings.h>
 
 #include "engine/core/polygon.h"
+#include "engine/core/sets.h"
 #include "maps/ifc/ifc_building.h"
 
 // Metres. Storeys whose floors lie nearer than this are one.
@@ -759,15 +760,57 @@ static double ceiling_over(IfcPlan *p, Box stair, double z) {
     return z;
 }
 
+// Where there are more flights at one storey, each counts alone: no building has so many.
+enum { MOST_FLIGHTS = 1000 };
+
+// The flights and landings between a floor and the one below it that lead up to the floor, over others that they meet: some files have each
+// flight as a stair of its own. A few steps that begin less than a metre under the floor, with none before them, are no way up.
+static StairParts stairs_to(IfcPlan *p, const StairParts *stairs, int storey) {
+    double floor = p->b->storeys[storey].floor, below = p->b->storeys[storey - 1].floor;
+    StairParts between = {NULL, 0, 0}, out = {NULL, 0, 0};
+    for (int i = 0; i < stairs->count; i++) {
+        Box box = stairs->items[i].box;
+        if (box.min.z <= floor - LEAST_SLAB && (box.max.z >= floor - STEP || box.min.z >= below - STEP))
+            *ARENA_PUSH(&p->scratch, between.items, between.count, between.capacity) = stairs->items[i];
+    }
+    int *parent = ARENA_ARRAY(&p->scratch, int, between.count);
+    double *low = ARENA_ARRAY(&p->scratch, double, between.count),
+           *high = ARENA_ARRAY(&p->scratch, double, between.count);
+    Box *reach = ARENA_ARRAY(&p->scratch, Box, between.count);
+    for (int i = 0; i < between.count; i++) {
+        Box box = between.items[i].box;
+        const Vec3 step = {STEP / 2, STEP / 2, STEP / 2};
+        reach[i] = (Box){vec3_sub(box.min, step), vec3_add(box.max, step)};
+        parent[i] = i;
+        low[i] = INFINITY;
+        high[i] = -INFINITY;
+    }
+    BoxTree tree = box_tree_build(reach, between.count, &p->scratch);
+    for (int i = 0; i < between.count && between.count <= MOST_FLIGHTS; i++)
+        for (int n = box_tree_find(&tree, reach[i], &p->scratch, &p->near); n-- > 0;)
+            set_unite(parent, i, p->near.items[n]);
+    for (int i = 0; i < between.count; i++) {
+        int root = set_find(parent, i);
+        low[root] = fmin(low[root], between.items[i].box.min.z);
+        high[root] = fmax(high[root], between.items[i].box.max.z);
+    }
+    for (int i = 0; i < between.count; i++) {
+        int root = set_find(parent, i);
+        if (high[root] >= floor - STEP && low[root] <= floor - 1)
+            *ARENA_PUSH(&p->scratch, out.items, out.count, out.capacity) = between.items[i];
+    }
+    return out;
+}
+
 // Stairs that lead up to a floor need a hole in it, whether the slab has one or not: over all steps on which a person meets the ceiling.
-static void cut_for_stairs(IfcPlan *p, const StairParts *stairs, int storey) {
+static void cut_for_stairs(IfcPlan *p, const StairParts *all_stairs, int storey) {
     SolidOutlines all = {NULL, 0, 0};
     double floor = p->b->storeys[storey].floor;
-    for (int i = 0; i < stairs->count; i++) {
-        Box stair = stairs->items[i].box;
-        if (stair.max.z < floor - STEP || stair.min.z > floor - 1) continue;
-        const IfcProduct *it = &p->model->products[stairs->items[i].product];
-        double from = fmax(ceiling_over(p, stair, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
+    StairParts stairs = stairs_to(p, all_stairs, storey);
+    for (int i = 0; i < stairs.count; i++) {
+        const IfcProduct *it = &p->model->products[stairs.items[i].product];
+        double from =
+            fmax(ceiling_over(p, stairs.items[i].box, floor - DEFAULT_SLAB) - HEADROOM, it->box.min.z);
         // The last step may be level with the floor, or the floor itself.
         if (from >= fmin(it->box.max.z, floor - LEAST_SLAB)) continue;
         trace_mesh(p, &it->mesh);

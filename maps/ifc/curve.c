@@ -347,6 +347,8 @@ bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out
     if (!ifc_curve(r, record, &whole)) return false;
     bool counts_points = type == T_POLYLINE || (type == T_INDEXEDPOLYCURVE &&
                                                 ifc_arguments(r, record, v, 2) && v[1].kind != STEP_LIST);
+    // From 0 to 1 is the whole: programs that write it so count by the curve's length.
+    if (from == 0 && to == 1) counts_points = false;
     if (from < to && counts_points) trimmed_points(r, &whole, from, to, out);
     if (out->count > 1)
         close_curve(out);

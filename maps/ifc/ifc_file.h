@@ -128,7 +128,7 @@ typedef struct Curve {
 } Curve;
 bool ifc_curve(Reader *r, int record, Curve *out);
 // The part of a curve from one parameter to a larger one: angles of conics, lengths of a line's vector, points of polylines. Other curves
-// are whole, and so are those whose parameters are not told (NAN).
+// are whole, and so are those whose parameters are not told (NAN), and polylines from 0 to 1.
 bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out);
 // The part of an edge's curve from its start to its end.
 bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curve *out);

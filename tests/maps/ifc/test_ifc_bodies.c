@@ -179,7 +179,7 @@ Test(ifc, sweeps) {
          "(1.,0.,0.));"
          "#103=IFCCARTESIANPOINT((1.,0.,1.));",
          2 * p * (0.01 - 0.0025), 0},
-        // Parts of curves: a quarter of a circle, and the first of two edges.
+        // Parts of curves: a quarter of a circle, and the second of two edges; from 0 to 1 is the whole.
         {"#100=IFCSWEPTDISKSOLID(#101,0.1,$,0.,1.5707963267949);#101=IFCCIRCLE(#11,2.);", p * 0.01 * p, 0},
         // An elbow, whose profile lies outside its arc: its ends lie square to the arc, not to the first and last chords.
         {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,$,$,#12);#101=IFCCIRCLEPROFILEDEF(.AREA.,$,#108,"
@@ -188,10 +188,14 @@ Test(ifc, sweeps) {
          "PARAMETER.);"
          "#103=IFCCIRCLE(#11,1.);#108=IFCAXIS2PLACEMENT2D(#109,$);#109=IFCCARTESIANPOINT((0.,0.5));",
          p * 0.16 * p / 2 * 1.5, 0},
-        {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,0.,1.,#12);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,"
+        {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,1.,2.,#12);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,"
          "#14,0.2,0.4);#102=IFCPOLYLINE((#10,#103,#104));#103=IFCCARTESIANPOINT((3.,0.,0.));#104="
          "IFCCARTESIANPOINT((3.,3.,0.));",
          3 * 0.08, 3 * 1.2 + 2 * 0.08},
+        {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,0.,1.,#12);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,"
+         "#14,0.2,0.4);#102=IFCPOLYLINE((#10,#103,#104));#103=IFCCARTESIANPOINT((3.,0.,0.));#104="
+         "IFCCARTESIANPOINT((3.,3.,0.));",
+         6 * 0.08, 6 * 1.2 + 2 * 0.08},
         {"#100=IFCFIXEDREFERENCESWEPTAREASOLID(#101,#11,#102,$,$,#12);#101=IFCRECTANGLEPROFILEDEF(.AREA.,$,#"
          "14,0.2,0.4);"
          "#102=IFCPOLYLINE((#10,#103,#104,#105,#10));#103=IFCCARTESIANPOINT((3.,0.,0.));#104="

@@ -280,7 +280,7 @@ static void fill_vertices(const LitMesh *lit, const RadSolution *solution, const
         CORE_ASSERT(solution->node_count == lit->nodes.count);
     } else {
         node = arena_alloc(&scratch, (size_t)lit->nodes.count + 1, sizeof *node);
-        reconstruct_nodes(lit->mesh, &lit->nodes, solution, node);
+        reconstruct_nodes(lit->mesh, &lit->nodes, solution, NULL, node);
     }
     int last = -1;
     double of_face[3];

@@ -41,11 +41,12 @@ static bool show_finer(const Mesh *mesh, const RadSolution *solution, const floa
     return true;
 }
 
-// Light that was found on one mesh and is shown on another, both in a state of the lamps, as it is drawn.
+// Light that was found on one mesh and is shown on another, of such nodes (NULL: they are found), both in a state of the lamps, as it is
+// drawn.
 static RadSolution draw_fine(const WalkLight *light, const Lamps *lamps, const Mesh *found, const Mesh *shown,
-                             const Rgb *lit, const RadSolution *solution, Arena *arena) {
+                             const Nodes *nodes, const Rgb *lit, const RadSolution *solution, Arena *arena) {
     RadSolution out = *solution;
-    if (shown != found) CORE_ASSERT(shown_fill(found, solution, shown, arena, &out));
+    if (shown != found) CORE_ASSERT(shown_fill(found, solution, shown, nodes, arena, &out));
     out.direct = out.unshot = out.rest = NULL;
     FineMesh fine = *light->fine;
     fine.light = shown;
@@ -60,7 +61,7 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena) {
     Mesh found = lamps_mesh(s->lamps, s->found, lit, arena),
          shown = lamps_mesh(s->lamps, s->shown, lit, arena);
     RadSolution one = each_lamp_one(s->solution, source, arena);
-    return draw_fine(light, s->lamps, &found, s->shown != s->found ? &shown : &found, lit, &one, arena);
+    return draw_fine(light, s->lamps, &found, s->shown != s->found ? &shown : &found, NULL, lit, &one, arena);
 }
 
 // All that light needs to follow the doors, and the light that is shown.
@@ -79,7 +80,8 @@ static RadSolution draw_followed(const WalkLight *light, const Rgb *lit, const R
     const Relight *r = &light->follower->relight;
     const Mesh *shown = direct_sources_shown(r->sources);
     Mesh on = lamps_mesh(r->lamps, r->mesh, lit, arena), by = lamps_mesh(r->lamps, shown, lit, arena);
-    return draw_fine(light, r->lamps, &on, shown != r->mesh ? &by : &on, lit, found, arena);
+    return draw_fine(light, r->lamps, &on, shown != r->mesh ? &by : &on, direct_sources_nodes(r->sources),
+                     lit, found, arena);
 }
 
 bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,

@@ -184,6 +184,8 @@ typedef struct Shooter {
     // [patch_count] of light that goes on: lamps that shoot again; NULL: light from nothing. Then powers in the queue are never less than
     // the absolute unshot power, and `left` is the sum of that, W.
     const bool *again;
+    RadFollow *follow;  // of light that goes on, or NULL
+    bool repeats;       // what was taken back is shot again
     // Or of a part of a building: then `left` is of this part, and `residual` of all of them, as they knew it last.
     double left, residual;
 } Shooter;
@@ -204,9 +206,12 @@ static void queue_unshot(Shooter *s, const Mesh *mesh) {
     }
 }
 
+static void shoot_taken(Shooter *s, const Mesh *mesh);
+
 static void queue_reflected(Shooter *s, const Mesh *mesh) {
     if (s->options->lamps_only) return;
     shoot_elements_finish(s->elements);
+    if (s->follow) shoot_taken(s, mesh);
     shoot_elements_store(s->elements, s->solution);
     if (!shoot_rows_settled(s->rows)) shoot_rows_find_strong(s->rows, s->solution);
     queue_unshot(s, mesh);
@@ -227,8 +232,9 @@ static void queue_lamps(Shooter *s, const Mesh *mesh) {
 }
 
 static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
-                          const RadOptions *options, const bool *again, RadSolution *solution, Arena *arena) {
-    *s = (Shooter){.options = options, .solution = solution, .again = again};
+                          const RadOptions *options, RadFollow *follow, RadSolution *solution, Arena *arena) {
+    *s = (Shooter){
+        .options = options, .solution = solution, .again = follow ? follow->again : NULL, .follow = follow};
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
     s->rows = options->rows ? options->rows
                             : shoot_rows_new(mesh, forest, door_open, options, &solution->day, arena);
@@ -278,19 +284,28 @@ static Four run_reflectance(const Mesh *mesh, const ShootRow *row, int run, int 
     return all > 0 ? sum * four_of(1 / all) : sum;
 }
 
+static bool is_taken(const Shooter *s, int patch) {
+    const double *taken = s->follow->taken[patch];
+    return taken[0] != 0 || taken[1] != 0 || taken[2] != 0;
+}
+
 static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) {
     Receiver *from = &s->receivers[patch];
     const bool direct = s->lamps_left > 0;
-    Four shot = from->unshot;
+    Four shot = s->repeats ? channels_of(s->follow->taken[patch]) : from->unshot;
     if (direct) {
         Rgb e = mesh_material(mesh, mesh->patches[patch].face)->emission;
         shot = (Four){(double)e.r, (double)e.g, (double)e.b, 0};
     }
     Four power = shot * four_of(from->area * row->scale), absorbed = power * four_of(row->back);
-    if (!direct) s->left -= unshot_power(from);
     for (int c = 0; c < 3 && !direct && s->solution->shot; c++) s->solution->shot[patch][c] += shot[c];
-    from->unshot -= shot;
-    shoot_queue_clear(&s->queue, patch);
+    if (s->repeats) {
+        memset(s->follow->taken[patch], 0, sizeof *s->follow->taken);
+    } else {
+        if (!direct) s->left -= unshot_power(from);
+        from->unshot -= shot;
+        shoot_queue_clear(&s->queue, patch);
+    }
     shoot_elements_tell(s->elements, row, power, direct);
     int at = 0;  // elements so far, where that matters
     for (int r = 0; r < row->run_count; r++) {
@@ -306,7 +321,7 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
         if (counts) s->left -= unshot_power(to);
         to->unshot += reflected * four_of(share * to->per_area);
         absorbed += (power - reflected) * four_of(share);
-        if (direct || to->foreign) continue;
+        if (direct || to->foreign || s->repeats) continue;
         double now = unshot_power(to);
         if (counts) s->left += now;
         if (!s->again || now > s->queue.power[run->patch]) shoot_queue_raise(&s->queue, run->patch, now);
@@ -315,6 +330,25 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
     s->escaped += power * four_of(row->escaped);
     s->solution->shots++;
     if (direct && --s->lamps_left == 0 && !s->options->borders) queue_reflected(s, mesh);
+}
+
+// All that was taken back, in the order of the patches: the rows of neighbours are made together.
+static void shoot_taken(Shooter *s, const Mesh *mesh) {
+    s->repeats = true;
+    for (int p = 0; p < mesh->patch_count;) {
+        int wanted = shoot_rows_wanted(s->rows), count = 0, first = p;
+        for (; p < mesh->patch_count && count < wanted; p++)
+            if (is_taken(s, p) && !shoot_rows_of(s->rows, p)) s->next[count++] = p;
+        shoot_elements_finish(s->elements);  // rows that were shot may go
+        if (count > 0) shoot_rows_make(s->rows, s->next, count);
+        for (int q = first; q < p; q++) {
+            if (!is_taken(s, q)) continue;
+            shoot(s, mesh, q, shoot_rows_of(s->rows, q));
+            shoot_rows_shot(s->rows, q);
+        }
+    }
+    shoot_elements_finish(s->elements);
+    s->repeats = false;
 }
 
 // Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
@@ -369,7 +403,7 @@ typedef struct Gathering {
     const Mesh *mesh;
     const ShootRows *rows;
     const Four *reflected;       // [element_count] radiosity times area, W, without what is emitted
-    Vec3 *middle;                // [element_count]
+    Vec3 *middle;                // [element_count] NULL: what is close is not asked
     double (*sent)[3];           // [patch_count]
     double (*out)[3];            // [patch_count]
     double zenith[3], below[3];  // irradiance by a whole view of the sky overhead, and of the ground
@@ -392,8 +426,10 @@ static void gather_patch(void *context, int index, int thread) {
     double squares = 0, close = 0, width2 = mesh->patches[patch].area;
     for (int r = 0; r < row->run_count; r++) {
         int first = mesh->patches[row->runs[r].patch].first_element;
-        Vec3 to = vec3_sub(g->middle[first], eye);
-        close += vec3_dot(to, to) < width2 ? (double)row->runs[r].share : 0;
+        if (g->middle) {
+            Vec3 to = vec3_sub(g->middle[first], eye);
+            close += vec3_dot(to, to) < width2 ? (double)row->runs[r].share : 0;
+        }
         for (int i = 0; i <= row->count[r]; i++) {
             const Four power = g->reflected[first + *offset];
             double area = mesh->elements[first + *offset++].area, all = power[0] + power[1] + power[2];
@@ -527,6 +563,35 @@ static void fetch_gathered(const Borders *borders, RadSolution *s) {
     borders_fetch(borders, BORDER_PATCH, s->noise, sizeof *s->noise);
 }
 
+// Light that goes on is gathered again where it has changed by more than this share, or by this share of the mean light.
+static const double CHANGED = 5e-4, CHANGED_IN_THE_DARK = 1e-7;
+
+// The patches that gather now.
+static void find_changed(const Shooter *s, const Mesh *mesh, RadFollow *f) {
+    const RadSolution *now = s->solution;
+    double light = 0, area = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        light += mesh->elements[e].area * rgb_sum(now->radiosity[e]);
+        area += mesh->elements[e].area;
+    }
+    const double floor = CHANGED_IN_THE_DARK * light / area;
+    marks_clear(&f->found);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        double had = 0, change = 0;
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+            const double *a = now->radiosity[e], *b = f->gathered[e];
+            had += mesh->elements[e].area * rgb_sum(b);
+            change += mesh->elements[e].area * (fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]));
+        }
+        if (!f->dropped[p] && change <= CHANGED * had + floor * patch->area) continue;
+        marks_add(&f->found, p);
+        f->dropped[p] = false;
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
+            memcpy(f->gathered[e], now->radiosity[e], sizeof *f->gathered);
+    }
+}
+
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int resolution = s->options->form_factor.resolution, count = 0, noisy = 0;
@@ -535,14 +600,14 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     Gathering g = {.mesh = mesh,
                    .rows = s->rows,
                    .reflected = reflected_power(mesh, s->solution, &arena),
-                   .middle = ARENA_ARRAY(&arena, Vec3, mesh->element_count + 1),
+                   .middle = s->follow ? NULL : ARENA_ARRAY(&arena, Vec3, mesh->element_count + 1),
                    .sent = s->solution->sent,
                    .out = s->solution->reflected,
                    .samples = M_PI / 4 * resolution * resolution,
                    .noise = s->solution->noise,
                    .close = s->solution->close,
                    .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
-    for (int e = 0; e < mesh->element_count; e++) g.middle[e] = element_centroid(mesh, e);
+    for (int e = 0; e < mesh->element_count && g.middle; e++) g.middle[e] = element_centroid(mesh, e);
     const Daylight *day = &s->solution->day;
     daylight_below(day, g.below);
     for (int c = 0; c < 3; c++) {
@@ -553,8 +618,9 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
         sunlight_elements(mesh, day, parallel_threads(s->options->threads), s->solution->sun);
     if (s->options->borders)
         borders_fetch(s->options->borders, BORDER_ELEMENT, s->solution->sun, sizeof *s->solution->sun);
+    if (s->follow) find_changed(s, mesh, s->follow);
     for (int p = 0; p < mesh->patch_count; p++) {
-        if (s->receivers[p].foreign) continue;
+        if (s->receivers[p].foreign || (s->follow && !s->follow->found.has[p])) continue;
         // Those to which no light was shot are covered, or in rooms without light.
         take_shot(mesh, s->solution, p, s->solution->reflected[p]);
         if (s->again && is_rounding(s->solution, mesh->patches[p].area, s->solution->reflected[p]))
@@ -707,12 +773,12 @@ static bool shoot_whole(Shooter *s, const Mesh *mesh, long long first, const Pro
 }
 
 RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *door_open,
-                       const RadOptions *options, const bool *again, const Progress *progress,
+                       const RadOptions *options, RadFollow *follow, const Progress *progress,
                        RadSolution *solution) {
     Arena arena = {0};
     Shooter s;
     RadReport report = {0};
-    start_shooter(&s, mesh, forest, door_open, options, again, solution, &arena);
+    start_shooter(&s, mesh, forest, door_open, options, follow, solution, &arena);
     long long first = solution->shots;
     report.stopped =
         options->borders ? shoot_parts(&s, mesh, progress) : shoot_whole(&s, mesh, first, progress);
@@ -775,7 +841,8 @@ static bool has_shot(const Mesh *mesh, const RadSolution *s, int patch) {
 }
 
 bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors *moved,
-                   RadSolution *solution, bool *again) {
+                   RadSolution *solution, RadFollow *follow) {
+    bool *again = follow->again;
     Arena scratch = {0};
     const ShootRows *rows = options->rows;
     TakenBack t = {mesh, rows, solution, ARENA_ARRAY(&scratch, Rgb, mesh->patch_count + 1)};
@@ -796,7 +863,8 @@ bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors
         again[p] = rgb_sum(emitted) > 0;
         for (int c = 0; c < 3; c++) {
             power[c] = emitted[c] * patch->area;
-            solution->unshot[p][c] += shot[c] + emitted[c];
+            follow->taken[p][c] += shot[c];
+            if (again[p]) solution->unshot[p][c] += emitted[c];
             shot[c] = 0;
         }
         if (again[p]) take_back(&t, shoot_rows_of(rows, p), power, true);

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "engine/core/progress.h"
+#include "engine/core/sets.h"
 #include "radiosity/daylight/daylight.h"
 #include "radiosity/factors/form_factor.h"
 #include "radiosity/mesh/borders.h"
@@ -127,15 +128,25 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
 
 // ---- light that goes on from another state of the doors
 
-// Before shoot_rows_move: takes back what patches have shot along rows of options->rows that depend on a door that moves. Their light,
-// which is unshot again, may be negative from now on, and so may that of others (Chen 1990). Lamps among these patches are marked in
-// `again` [patch_count]. False where a row is not there any more; then nothing has changed.
+// Light that goes on, and what it has gathered so far.
+typedef struct RadFollow {
+    bool *again;         // [patch_count] lamps whose emitted light was taken back
+    double (*taken)[3];  // [patch_count] the reflected light that was taken back of what a patch shot, W/m^2
+    // A patch gathers its reflected light again if its row was dropped since, or its light has changed: [patch_count]; and [element_count]
+    // the radiosities that there were when their patches gathered
+    bool *dropped;
+    double (*gathered)[3];
+    Marks found;  // patches that gathered just now; limit patch_count
+} RadFollow;
+// Before shoot_rows_move: takes back what patches have shot along rows of options->rows that depend on a door that moves. The light of
+// others may be negative from now on (Chen 1990). False where a row is not there any more; then nothing has changed.
 bool rad_take_back(const Mesh *mesh, const RadOptions *options, const MovedDoors *moved,
-                   RadSolution *solution, bool *again);
-// Shoots on after rad_take_back and shoot_rows_move: first what the marked lamps emit, then what is unshot, until its absolute power is
-// options->residual of the light. Else like rad_shoot.
+                   RadSolution *solution, RadFollow *follow);
+// Shoots on after rad_take_back and shoot_rows_move: first all that was taken back, so that what others are left with is the difference
+// between the old rows and the new ones; then what is unshot, until its absolute power is options->residual of the light.
+// solution->reflected is what patches have gathered so far. Else like rad_shoot.
 RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *door_open,
-                       const RadOptions *options, const bool *again, const Progress *progress,
+                       const RadOptions *options, RadFollow *follow, const Progress *progress,
                        RadSolution *solution);
 
 // Writes a .rad file. The mesh is not stored: it is made again from the building. The file holds the building's hash, the mesh's

@@ -611,8 +611,8 @@ static void move_middles(ShootRows *rows) {
     }
 }
 
-int shoot_rows_move(ShootRows *rows, const MovedDoors *moved) {
-    int dropped = 0;
+int shoot_rows_move(ShootRows *rows, const MovedDoors *moved, bool *dropped) {
+    int count = 0;
     size_t kept = 0;
     for (int i = 0; rows->waiting_count > 0; i++)
         if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
@@ -620,7 +620,8 @@ int shoot_rows_move(ShootRows *rows, const MovedDoors *moved) {
         if (!rows->of[p] || !shoot_rows_depend(rows, p, moved)) continue;
         rows->of[p] = NULL;
         rows->there[p] = false;
-        dropped++;
+        if (dropped) dropped[p] = true;
+        count++;
     }
     for (int t = 0; t < rows->threads; t++) {
         viewer_pose(rows->makers[t].viewer);
@@ -629,7 +630,7 @@ int shoot_rows_move(ShootRows *rows, const MovedDoors *moved) {
     if ((double)bytes_there(rows) < (1 - MOST_GAPS) * (double)kept) close_gaps(rows);
     move_middles(rows);
     if (rows->shapes) near_shapes_pose(rows->shapes, rows->mesh);
-    return dropped;
+    return count;
 }
 
 void shoot_rows_make(ShootRows *rows, int *patches, int count) {

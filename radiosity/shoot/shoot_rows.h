@@ -40,8 +40,8 @@ const bool *shoot_rows_strong(const ShootRows *rows);
 // Does the row of a patch depend on a door that moves?
 bool shoot_rows_depend(const ShootRows *rows, int patch, const MovedDoors *moved);
 // Doors have moved: the mesh is posed already (mesh_move), and so is the caller's `door_open`. Drops the rows of patches that may see one
-// of these doors, and returns how many.
-int shoot_rows_move(ShootRows *rows, const MovedDoors *moved);
+// of these doors, notes them in `dropped` [patch_count] (NULL: nowhere), and returns how many.
+int shoot_rows_move(ShootRows *rows, const MovedDoors *moved, bool *dropped);
 
 // From now on the rows are those of `closed`, which is the mesh with black panes more (panes_between_rooms): what they stand before is
 // absorbed. Only Row.sky_light and ground_light of rows that are there stay as they are: nothing is to be gathered along them.

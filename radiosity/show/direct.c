@@ -1,6 +1,8 @@
 // direct.c - light as it is shown: straight from lamps and the sun at the nodes of a mesh that is finer where this light bends, and all
 // other light as elements and rows tell it.
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
@@ -165,6 +167,7 @@ typedef struct Showing {
     const Progress *progress;
     DirectSources *sources;  // or NULL
     const Borders *borders;  // or NULL
+    double (*reflected)[3];  // [nodes] where to put the reflected light, NULL: it is not asked for
 } Showing;
 
 // The light that each source gives straight to what is shown, as one pass over the lamps of all has found it; and all that the light of
@@ -191,8 +194,22 @@ struct DirectSources {
     Mesh *moving;    // NULL: doors do not move
     const float *const *state;  // [state_count] of doors
     int state_count;
-    Daylight weather;  // the day that shone
+    Daylight weather;        // the day that shone
+    struct ShownLast *last;  // NULL: no light was shown by direct_show_next
 };
+
+// The light that was shown last, [nodes.count] each, W/m^2.
+typedef struct ShownLast {
+    bool there;             // all of it is known
+    double (*share)[3];     // [sources]
+    double (*unlifted)[3];  // irradiance straight from the sources, as it is at the nodes
+    double (*straight)[3];  // the same, lifted
+    double (*reflected)[3];
+    double (*rest)[3], (*all)[3];  // radiosities, as in RadSolution
+    // Nodes whose sources were found anew since `straight` was; whose straight light was since `all` was; all that were just now.
+    Marks moved, lifted, found;
+    Marks lifts;  // [elements that show the light] around those that moved
+} ShownLast;
 
 DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena) {
     DirectSources *out = ARENA_ARRAY(arena, DirectSources, 1);
@@ -313,20 +330,28 @@ static void put_sources(const PointSources *by, double (*share)[3], double out[3
     }
 }
 
-// The same at the nodes.
-static void sources_at_nodes(const DirectSources *s, double (*share)[3], double (*out)[3]) {
+// How much an element lifts its nodes.
+static void lift_of(const DirectSources *s, double (*share)[3], double (*unlifted)[3], int e, double off[3]) {
+    double middle[3], linear[3];
+    off[0] = off[1] = off[2] = 0;
+    if (!s->lifts[e]) return;
+    put_sources(s->middle[e], share, middle);
+    linear_mean(s->shown, &s->nodes, unlifted, e, linear);
+    for (int c = 0; c < 3; c++) off[c] = middle[c] - linear[c];
+}
+
+// The same at the nodes; `unlifted` [nodes.count] may be `out`.
+static void sources_at_nodes(const DirectSources *s, double (*share)[3], double (*unlifted)[3],
+                             double (*out)[3]) {
     Arena scratch = {0};
     Lift lift = lift_new(&s->nodes, &scratch);
-    for (int n = 0; n < s->nodes.count; n++) put_sources(s->node[n], share, out[n]);
+    for (int n = 0; n < s->nodes.count; n++) put_sources(s->node[n], share, unlifted[n]);
     for (int e = 0; e < s->shown->element_count; e++) {
-        double middle[3], linear[3], off[3] = {0, 0, 0};
-        if (s->lifts[e]) {
-            put_sources(s->middle[e], share, middle);
-            linear_mean(s->shown, &s->nodes, out, e, linear);
-            for (int c = 0; c < 3; c++) off[c] = middle[c] - linear[c];
-        }
+        double off[3];
+        lift_of(s, share, unlifted, e, off);
         lift_element(&lift, s->shown, &s->nodes, e, off);
     }
+    if (out != unlifted) memcpy(out, unlifted, (size_t)s->nodes.count * sizeof *out);
     lift_all(&lift, &s->nodes, out);
     arena_free(&scratch);
 }
@@ -336,12 +361,29 @@ static bool all_good(const Borders *borders, bool good) {
     return borders ? !team_any(borders_member(borders), !good) : good;
 }
 
+// Is all light but that straight from lamps and sun, and but reflected light, emitted, and even?
+static bool rest_is_emitted(const Showing *s) { return s->rest->gathered && s->lamps; }
+
+// Adds up the light at a node. `dark`: `rest` is what the face emits; else it is there already, but for reflected light.
+static void add_up(const Showing *s, const Nodes *nodes, int n, bool dark, const double reflected[3],
+                   const double straight[3], double rest[3], double all[3]) {
+    double rho[3];
+    const Material *m = mesh_material(s->mesh, s->shown->elements[nodes->element[nodes->first[n]]].face);
+    rgb_doubles(m->reflectance, rho);
+    if (dark) rgb_doubles(m->emission, rest);
+    for (int c = 0; c < 3; c++) {
+        rest[c] += rho[c] * reflected[c];
+        all[c] = rest[c] + rho[c] * straight[c];
+    }
+}
+
 // Adds up all light at the nodes of the mesh that shows it, to the light straight from lamps and sun there.
 static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[3], Arena *arena,
                         RadSolution *out) {
     Arena scratch = {0};
     const Mesh *mesh = s->mesh, *shown = s->shown;
-    double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
+    double(*reflected)[3] =
+        s->reflected ? s->reflected : arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
     bool good = true;
     if (s->rest->gathered) {
         GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
@@ -355,20 +397,11 @@ static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
-        // All other light is emitted, and even.
-        bool dark = s->rest->gathered && s->lamps;
         out->rest = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->rest);
+        const bool dark = rest_is_emitted(s);
         if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->rest);
-        for (int n = 0; n < nodes->count; n++) {
-            double rho[3];
-            const Material *m = mesh_material(mesh, shown->elements[nodes->element[nodes->first[n]]].face);
-            rgb_doubles(m->reflectance, rho);
-            if (dark) rgb_doubles(m->emission, out->rest[n]);
-            for (int c = 0; c < 3; c++) {
-                out->rest[n][c] += rho[c] * reflected[n][c];
-                out->node[n][c] = out->rest[n][c] + rho[c] * at_node[n][c];
-            }
-        }
+        for (int n = 0; n < nodes->count; n++)
+            add_up(s, nodes, n, dark, reflected[n], at_node[n], out->rest[n], out->node[n]);
     }
     arena_free(&scratch);
     return good;
@@ -550,37 +583,163 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
     return good;
 }
 
-bool direct_show_source(DirectSources *s, double (*share)[3], const Mesh *lit, const Progress *progress,
-                        Arena *arena, RadSolution *solution) {
+// All light of a state of the sources. `last` gets it, if not NULL.
+static bool show_state(DirectSources *s, double (*share)[3], const Mesh *lit, const Progress *progress,
+                       ShownLast *last, Arena *arena, RadSolution *solution) {
     Arena scratch = {0};
     RadSolution rest = other_light(lit, solution, s->show.lamps, solution->sun, true, &scratch),
                 out = *solution;
-    double(*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
+    double(*at_node)[3] =
+        last ? last->straight : arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
     Showing show = s->show;
     show.mesh = lit;
     if (s->shown == s->show.mesh) show.shown = lit;
     show.solution = solution;
     show.rest = &rest;
     show.progress = progress;
-    sources_at_nodes(s, share, at_node);
+    show.reflected = last ? last->reflected : NULL;
+    sources_at_nodes(s, share, last ? last->unlifted : at_node, at_node);
     bool good = store_nodes(&show, &s->nodes, at_node, arena, &out);
     if (good) *solution = out;
     arena_free(&scratch);
     return good;
 }
 
-void direct_show_straight(const DirectSources *s, double (*share)[3], const RadSolution *before, Arena *arena,
-                          RadSolution *out) {
+bool direct_show_source(DirectSources *s, double (*share)[3], const Mesh *lit, const Progress *progress,
+                        Arena *arena, RadSolution *solution) {
+    if (s->last) s->last->there = false;
+    return show_state(s, share, lit, progress, NULL, arena, solution);
+}
+
+// ---- one light after another
+
+static ShownLast *last_of(DirectSources *s) {
+    if (s->last) return s->last;
+    ShownLast *last = ARENA_ARRAY(&s->arena, ShownLast, 1);
+    double(**all[])[3] = {&last->unlifted, &last->straight, &last->reflected, &last->rest, &last->all};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        *all[i] = arena_alloc(&s->arena, (size_t)s->nodes.count + 1, sizeof **all[i]);
+    last->share = arena_alloc(&s->arena, (size_t)s->day + 1, sizeof *last->share);
+    last->moved = marks_new(s->nodes.count, &s->arena);
+    last->lifted = marks_new(s->nodes.count, &s->arena);
+    last->found = marks_new(s->nodes.count, &s->arena);
+    last->lifts = marks_new(s->shown->element_count, &s->arena);
+    return s->last = last;
+}
+
+// Straight light at the nodes whose sources were found anew, and at those that elements about them lift.
+static void straight_again(const DirectSources *s, double (*share)[3]) {
+    ShownLast *last = s->last;
+    const Nodes *nodes = &s->nodes;
+    marks_clear(&last->lifts);
+    for (int i = 0; i < last->moved.count; i++) {
+        int n = last->moved.of[i];
+        put_sources(s->node[n], share, last->unlifted[n]);
+        for (int k = nodes->first[n]; k < nodes->first[n + 1]; k++)
+            marks_add(&last->lifts, nodes->element[k]);
+    }
+    for (int i = 0; i < last->lifts.count; i++) {
+        const Element *e = &s->shown->elements[last->lifts.of[i]];
+        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+            marks_add(&last->lifted, nodes->of_corner[c]);
+    }
+    for (int i = 0; i < last->lifted.count && last->moved.count > 0; i++) {
+        int n = last->lifted.of[i], count = nodes->first[n + 1] - nodes->first[n];
+        double sum[3] = {0, 0, 0}, off[3];
+        for (int k = nodes->first[n]; k < nodes->first[n + 1]; k++) {
+            lift_of(s, share, last->unlifted, nodes->element[k], off);
+            for (int c = 0; c < 3; c++) sum[c] += LIFT * off[c];
+        }
+        for (int c = 0; c < 3; c++) last->straight[n][c] = fmax(last->unlifted[n][c] + sum[c] / count, 0);
+    }
+    marks_clear(&last->moved);
+}
+
+static bool same_shares(const DirectSources *s, double (*share)[3]) {
+    return memcmp(share, s->last->share, ((size_t)s->day + 1) * sizeof *share) == 0;
+}
+
+// May what is shown go on from the light before?
+static bool goes_on(const DirectSources *s, double (*share)[3]) {
+    return s->last && s->last->there && same_shares(s, share) && s->show.lamps && s->finer &&
+           reflected_goes_on(&s->parts);
+}
+
+static bool show_again(DirectSources *s, double (*share)[3], const Mesh *lit, const Marks *changed,
+                       const Progress *progress, RadSolution *solution) {
+    ShownLast *last = s->last;
+    RadSolution rest = *solution;
+    Showing show = s->show;
+    GatherScene scene = {lit, show.forest, show.door_open, solution, NULL};
+    marks_clear(&last->found);
+    straight_again(s, share);
+    if (!reflected_again(&scene, s->shown, &s->nodes, changed, &s->parts, progress, last->reflected,
+                         &last->found))
+        return false;
+    for (int i = 0; i < last->lifted.count; i++) marks_add(&last->found, last->lifted.of[i]);
+    show.mesh = lit;
+    show.rest = &rest;
+    for (int i = 0; i < last->found.count; i++) {
+        int n = last->found.of[i];
+        add_up(&show, &s->nodes, n, true, last->reflected[n], last->straight[n], last->rest[n], last->all[n]);
+    }
+    return true;
+}
+
+// Copies the light at nodes.
+static double (*copy_nodes(const DirectSources *s, double (*from)[3], Arena *arena))[3] {
+    double(*out)[3] = arena_alloc(arena, (size_t)s->nodes.count + 1, sizeof *out);
+    memcpy(out, from, (size_t)s->nodes.count * sizeof *out);
+    return out;
+}
+
+bool direct_show_next(DirectSources *s, double (*share)[3], const Mesh *lit, const Marks *changed,
+                      const Progress *progress, Arena *arena, RadSolution *solution) {
+    bool again = changed && goes_on(s, share), good;
+    ShownLast *last = last_of(s);
+    last->there = false;
+    if (again) {
+        good = show_again(s, share, lit, changed, progress, solution);
+        solution->node_count = s->nodes.count;
+        solution->node = copy_nodes(s, last->all, arena);
+        solution->rest = copy_nodes(s, last->rest, arena);
+    } else {
+        good = show_state(s, share, lit, progress, last, arena, solution);
+        if (good) {
+            memcpy(last->all, solution->node, (size_t)s->nodes.count * sizeof *last->all);
+            memcpy(last->rest, solution->rest, (size_t)s->nodes.count * sizeof *last->rest);
+            memcpy(last->share, share, ((size_t)s->day + 1) * sizeof *share);
+        }
+    }
+    if (!good) return false;
+    marks_clear(&last->moved);
+    marks_clear(&last->lifted);
+    last->there = true;
+    return true;
+}
+
+void direct_show_straight(DirectSources *s, double (*share)[3], const RadSolution *before, bool is_last,
+                          Arena *arena, RadSolution *out) {
     Arena scratch = {0};
-    double(*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
+    ShownLast *last = s->last;
+    bool again = is_last && goes_on(s, share);
+    double(*straight)[3];
     *out = *before;
-    out->node = arena_alloc(arena, (size_t)s->nodes.count + 1, sizeof *out->node);
-    sources_at_nodes(s, share, at_node);
-    for (int n = 0; n < s->nodes.count; n++) {
+    if (again) {
+        straight_again(s, share);
+        straight = last->straight;
+        out->node = copy_nodes(s, last->all, arena);
+    } else {
+        straight = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *straight);
+        out->node = arena_alloc(arena, (size_t)s->nodes.count + 1, sizeof *out->node);
+        sources_at_nodes(s, share, straight, straight);
+    }
+    for (int i = 0; i < (again ? last->lifted.count : s->nodes.count); i++) {
+        int n = again ? last->lifted.of[i] : i;
         double rho[3];
         int face = s->shown->elements[s->nodes.element[s->nodes.first[n]]].face;
         rgb_doubles(mesh_material(s->shown, face)->reflectance, rho);
-        for (int c = 0; c < 3; c++) out->node[n][c] = before->rest[n][c] + rho[c] * at_node[n][c];
+        for (int c = 0; c < 3; c++) out->node[n][c] = before->rest[n][c] + rho[c] * straight[n][c];
     }
     arena_free(&scratch);
 }
@@ -624,10 +783,14 @@ static void lift_anew(DirectSources *s, const Direct *d) {
     double(*share)[3] = arena_alloc(&scratch, (size_t)s->day + 1, sizeof *share),
     (*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
     for (int i = 0; i <= s->day; i++) share[i][0] = share[i][1] = share[i][2] = 1;
-    for (int n = 0; n < s->nodes.count; n++) put_sources(s->node[n], share, at_node[n]);
     for (int e = 0; e < s->shown->element_count; e++) {
+        const Element *element = &s->shown->elements[e];
         double middle[3], off[3];
-        if (d->settled[s->shown->elements[e].patch]) continue;
+        if (d->settled[element->patch]) continue;
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+            int n = s->nodes.of_corner[c];
+            put_sources(s->node[n], share, at_node[n]);
+        }
         put_sources(s->middle[e], share, middle);
         s->lifts[e] = s->middle_known[e] &&
                       find_lift(s->shown, &s->nodes, at_node, e, middle, (double)s->besides[e], off);
@@ -637,6 +800,8 @@ static void lift_anew(DirectSources *s, const Direct *d) {
 
 const Mesh *direct_sources_shown(const DirectSources *s) { return s->shown; }
 
+const Nodes *direct_sources_nodes(const DirectSources *s) { return &s->nodes; }
+
 // Where no lamp is before a patch any more, nothing is found anew: what was there goes.
 static void forget_touched(Direct *d) {
     for (int e = 0; e < d->mesh->element_count; e++) {
@@ -645,6 +810,16 @@ static void forget_touched(Direct *d) {
         direct_forget(d, element->patch, &d->middle_by[e]);
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
             direct_forget(d, element->patch, &d->corner_by[c]);
+    }
+}
+
+// Straight light at the nodes of patches that are not settled has changed.
+static void note_moved(const DirectSources *s, const Direct *d) {
+    for (int e = 0; e < s->shown->element_count; e++) {
+        const Element *element = &s->shown->elements[e];
+        if (d->settled[element->patch]) continue;
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
+            marks_add(&s->last->moved, s->nodes.of_corner[c]);
     }
 }
 
@@ -667,6 +842,7 @@ long long direct_sources_move(DirectSources *s, const MovedDoors *moved, const f
     d.middle_wanted = s->middle_known;
     direct_light(&d, s->threads, NULL, NULL, &report);
     direct_node_sources(&d, true, s->node);
+    if (s->last) note_moved(s, &d);
     lift_anew(s, &d);
     direct_end(&d);
     arena_free(&scratch);

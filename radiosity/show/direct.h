@@ -29,6 +29,8 @@ void direct_sources_doors(DirectSources *sources, Mesh *mesh, const float *const
 long long direct_sources_move(DirectSources *sources, const MovedDoors *moved, const float *to);
 // The mesh that shows the light, with its doors where they are now.
 const Mesh *direct_sources_shown(const DirectSources *sources);
+// And its nodes.
+const Nodes *direct_sources_nodes(const DirectSources *sources);
 
 // Stores the light at each node of a finer mesh in solution->node, and the splits of that mesh in solution->shown, allocated in the
 // arena: exact light straight from lamps and the sun of solution->day, and all other light as the elements tell it. Elements are halved
@@ -49,9 +51,15 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
 bool direct_show_source(DirectSources *sources, double (*share)[3], const Mesh *lit, const Progress *progress,
                         Arena *arena, RadSolution *solution);
 
+// The same for one light after another: only what differs from the light before is found anew. `changed`: the patches of the mesh whose
+// other light differs; NULL: there was no light before, or all of it differs. Doors may have moved meanwhile (direct_sources_move).
+bool direct_show_next(DirectSources *sources, double (*share)[3], const Mesh *lit, const Marks *changed,
+                      const Progress *progress, Arena *arena, RadSolution *solution);
+
 // Only the light straight from the sources in a state of theirs; all other light is that of `before`, which was shown on these nodes in the
-// same state of the lamps. `out` shares with it all but the light at nodes.
-void direct_show_straight(const DirectSources *sources, double (*share)[3], const RadSolution *before,
+// same state of the lamps. `out` shares with it all but the light at nodes. `last`: `before` is the light that direct_show_next showed
+// last.
+void direct_show_straight(DirectSources *sources, double (*share)[3], const RadSolution *before, bool last,
                           Arena *arena, RadSolution *out);
 
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.

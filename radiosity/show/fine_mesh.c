@@ -162,7 +162,7 @@ static double (*node_light(const FineMesh *fine, const RadSolution *solution, Ar
     if (solution->node)
         memcpy(out, solution->node, (size_t)count * sizeof *out);
     else
-        reconstruct_nodes(fine->light, &fine->nodes, solution, out);
+        reconstruct_nodes(fine->light, &fine->nodes, solution, NULL, out);
     for (int n = 0; n < count; n++) {
         double e[3];
         rgb_doubles(face_material(fine->light, &fine->nodes, n)->emission, e);
@@ -175,7 +175,7 @@ static double (*direct_at_nodes(const FineMesh *fine, const RadSolution *solutio
     RadSolution direct = *solution;
     double(*out)[3] = arena_alloc(arena, (size_t)fine->nodes.count + 1, sizeof *out);
     direct.radiosity = solution->direct;
-    reconstruct_nodes(fine->light, &fine->nodes, &direct, out);
+    reconstruct_nodes(fine->light, &fine->nodes, &direct, NULL, out);
     return out;
 }
 
@@ -195,18 +195,25 @@ static double (*unshot_at_nodes(const FineMesh *fine, const RadSolution *solutio
 
 // Gathered light stays where it was gathered; of what is fine it is what its elements have.
 static void fill_nodes(const FineMesh *fine, const RadSolution *solution, RadSolution *out, Arena *arena) {
-    Arena scratch = {0};
-    Nodes nodes = nodes_of(&fine->mesh, &scratch);
-    out->node = arena_alloc(arena, (size_t)nodes.count, sizeof *out->node);
-    out->node_count = nodes.count;
-    reconstruct_nodes(&fine->mesh, &nodes, out, out->node);
+    const Nodes *nodes = &fine->own;
+    out->node = arena_alloc(arena, (size_t)nodes->count, sizeof *out->node);
+    out->node_count = nodes->count;
+    reconstruct_nodes(&fine->mesh, nodes, out, fine->fine, out->node);
     for (int c = 0; c < fine->mesh.corner_count; c++) {
         int of_light = fine->corner[c];
         if (of_light >= 0)
-            memcpy(out->node[nodes.of_corner[c]], solution->node[fine->nodes.of_corner[of_light]],
+            memcpy(out->node[nodes->of_corner[c]], solution->node[fine->nodes.of_corner[of_light]],
                    sizeof *out->node);
     }
-    arena_free(&scratch);
+}
+
+// The nodes that are of fine elements alone.
+static bool *find_fine(const FineMesh *fine, Arena *arena) {
+    bool *out = ARENA_ARRAY(arena, bool, fine->own.count + 1);
+    for (int n = 0; n < fine->own.count; n++) out[n] = true;
+    for (int c = 0; c < fine->mesh.corner_count; c++)
+        if (fine->corner[c] >= 0) out[fine->own.of_corner[c]] = false;
+    return out;
 }
 
 static double (*fine_rest(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
@@ -445,6 +452,8 @@ FineMesh *fine_mesh_new(const Mesh *light, Arena *arena) {
         fine->same = false;
         join_meshes(fine, &of_fine, arena);
         fine->nodes = nodes_of(light, arena);
+        fine->own = nodes_of(&fine->mesh, arena);
+        fine->fine = find_fine(fine, arena);
         fine->sources = fine_sources(fine, arena);
     }
     arena_free(&scratch);

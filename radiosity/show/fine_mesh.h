@@ -15,6 +15,8 @@ typedef struct FineMesh {
     int *patch;    // [mesh.patch_count] the patch of `light`, or -1 - e: fine, lit like element e of `mesh`
     int *corner;   // [mesh.corner_count] the corner of `light`; -1: of a fine element
     Nodes nodes;   // of `light`
+    Nodes own;     // of `mesh`
+    bool *fine;    // [own.count] no element of `light` has light there
     struct FineSource *sources;  // [source_count]
     int source_count;
 } FineMesh;

@@ -282,11 +282,11 @@ GatherOptions gather_exact_options(void) {
                            .near = {.reach = 1.5, .error = 0.005, .blocks = 32}};
 }
 
-// The light that leaves an element, less its emission where lamps are exact: mean[c] + dot(slope[c], p) - offset[c].
-typedef struct Leaving {
-    double mean[3], offset[3];
+// How far the light that leaves an element at p is above its mean: dot(slope[c], p) - offset[c].
+typedef struct Slope {
+    double offset[3];
     Vec3 slope[3];
-} Leaving;
+} Slope;
 
 struct Gatherer {
     GatherScene scene;
@@ -294,8 +294,10 @@ struct Gatherer {
     Viewer *viewer;
     FormFactor *rows;  // of the method
     FormFactor
-        *samples;      // for slopes and skies that are not even: the same, where it has samples; NULL: none
-    Leaving *leaving;  // [element_count]
+        *samples;  // for slopes and skies that are not even: the same, where it has samples; NULL: none
+    // [element_count] the mean light that leaves an element, less its emission where lamps are exact
+    double (*leaving)[3];
+    Slope *slope;                // [element_count] NULL: elements are constant
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
     bool any_lamp, sky_in_rows;
@@ -315,7 +317,7 @@ typedef struct Arriving {
 } Arriving;
 
 // As much of the slope as keeps the element's light at 0 or above: beside bright things elements are too coarse to be straight.
-static void limit_slope(const Gatherer *self, int element, Leaving *out) {
+static void limit_slope(const Gatherer *self, int element, Slope *out) {
     const Mesh *mesh = self->scene.mesh;
     const Element *e = &mesh->elements[element];
     Vec3 centre = element_centroid(mesh, element);
@@ -331,7 +333,7 @@ static void limit_slope(const Gatherer *self, int element, Leaving *out) {
 }
 
 // How the corners' light slopes, about their mean, in the face's axes.
-static void fit_slope(const Gatherer *self, int element, Leaving *out) {
+static void fit_slope(const Gatherer *self, int element, Slope *out) {
     const Mesh *mesh = self->scene.mesh;
     const Element *e = &mesh->elements[element];
     Vec3 x, y, mean = {0};
@@ -360,27 +362,33 @@ static void fit_slope(const Gatherer *self, int element, Leaving *out) {
 }
 
 // Is a face's emitted light found apart from that of rows? Rows know nothing of candela tables.
-static bool is_exact(const Gatherer *self, int face) {
-    return self->options.exact_lamps || mesh_spread(self->scene.mesh, face);
+static bool is_exact(const GatherOptions *options, const Mesh *mesh, int face) {
+    return options->exact_lamps || mesh_spread(mesh, face);
 }
 
-static void find_leaving(Gatherer *self) {
-    const Mesh *mesh = self->scene.mesh;
+double (*gather_leaving(const GatherScene *scene, const GatherOptions *options, Arena *arena))[3] {
+    const Mesh *mesh = scene->mesh;
+    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *out);
     for (int e = 0; e < mesh->element_count; e++) {
-        Leaving *out = &self->leaving[e];
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
-        if (self->scene.light) fit_slope(self, e, out);
-        bool exact = is_exact(self, mesh->elements[e].face);
-        for (int c = 0; c < 3; c++)
-            out->mean[c] = self->scene.solution->radiosity[e][c] - (exact ? emitted[c] : 0);
+        bool exact = is_exact(options, mesh, mesh->elements[e].face);
+        for (int c = 0; c < 3; c++) out[e][c] = scene->solution->radiosity[e][c] - (exact ? emitted[c] : 0);
     }
+    return out;
+}
+
+static void find_leaving(Gatherer *self, Arena *arena) {
+    const Mesh *mesh = self->scene.mesh;
+    self->leaving = gather_leaving(&self->scene, &self->options, arena);
+    if (self->scene.light) self->slope = ARENA_ARRAY(arena, Slope, mesh->element_count + 1);
+    for (int e = 0; e < mesh->element_count && self->slope; e++) fit_slope(self, e, &self->slope[e]);
     for (int e = 0; e < mesh->element_count && self->own; e++)
         for (int c = 0; c < 3; c++)
-            self->own[e][c] = self->leaving[e].mean[c] + self->closed_light->radiosity[e][c] -
+            self->own[e][c] = self->leaving[e][c] + self->closed_light->radiosity[e][c] -
                               self->scene.solution->radiosity[e][c];
     for (int f = 0; f < mesh->face_count && !self->options.reflected; f++)
-        self->any_lamp = self->any_lamp || (mesh_emits(mesh, f) && is_exact(self, f));
+        self->any_lamp = self->any_lamp || (mesh_emits(mesh, f) && is_exact(&self->options, mesh, f));
 }
 
 Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena) {
@@ -397,7 +405,8 @@ Gatherer *gatherer_new_apart(const GatherScene *scene, const GatherOptions *opti
         rows.day = &scene->solution->day;
         rows.panes = &self->panes;
     }
-    self->panes.panes = ARENA_ARRAY(arena, Pane, mesh->panes.count + 1);
+    // Doors that move later may close panes that are open now.
+    self->panes.panes = ARENA_ARRAY(arena, Pane, mesh->graph->building->opening_count + 1);
     self->scene = *scene;
     self->options = *options;
     if (own) {
@@ -419,10 +428,9 @@ Gatherer *gatherer_new_apart(const GatherScene *scene, const GatherOptions *opti
         self->samples = options->method->projective
                             ? self->rows
                             : form_factor_new(form_factor_method("hemisphere"), mesh, &rows, arena);
-    self->leaving = ARENA_ARRAY(arena, Leaving, mesh->element_count);
     self->occluder = ARENA_ARRAY(arena, AnalyticOccluder, mesh->face_count);
     self->edge = ARENA_ARRAY(arena, Plane, mesh->outline_count);
-    find_leaving(self);
+    find_leaving(self, arena);
     if (options->near.reach > 0) self->near = near_gatherer_new(mesh, scene->solution, options, arena);
     return self;
 }
@@ -432,6 +440,8 @@ void gatherer_end(Gatherer *self) {
     if (self->samples && self->samples != self->rows) form_factor_end(self->samples);
     form_factor_end(self->rows);
 }
+
+void gatherer_pose(Gatherer *self) { viewer_pose(self->viewer); }
 
 static int find_occluders(Gatherer *self, const View *view) {
     int count = 0;
@@ -476,7 +486,9 @@ static void add_lamps(Gatherer *self, const View *view, Arriving *to) {
     int occluders = -1;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *f = &view->faces[i];
-        if (!mesh_emits(self->scene.mesh, f->face) || f->d > 0 || !is_exact(self, f->face)) continue;
+        if (!mesh_emits(self->scene.mesh, f->face) || f->d > 0 ||
+            !is_exact(&self->options, self->scene.mesh, f->face))
+            continue;
         if (occluders < 0) occluders = find_occluders(self, view);
         AnalyticSight sight = {0};
         SpreadSight by_table =
@@ -508,11 +520,12 @@ static bool put_near(Gatherer *self, int element, double share, bool means, Near
     if (!means) return true;
     double emitted[3] = {0};
     int face = self->scene.mesh->elements[element].face;
-    if (!is_exact(self, face)) rgb_doubles(mesh_material(self->scene.mesh, face)->emission, emitted);
+    if (!is_exact(&self->options, self->scene.mesh, face))
+        rgb_doubles(mesh_material(self->scene.mesh, face)->emission, emitted);
     near->share += share;
     for (int c = 0; c < 3; c++) {
         to->all[c] += share * emitted[c];
-        near->even[c] += share * (self->leaving[element].mean[c] - emitted[c]);
+        near->even[c] += share * (self->leaving[element][c] - emitted[c]);
     }
     return true;
 }
@@ -558,7 +571,7 @@ static void gather_row(Gatherer *self, const View *view, Near *near, Arriving *t
             self->panes.count > 0 || self->own ? element_centroid(self->scene.mesh, element) : view->eye;
         if (self->panes.count > 0) share *= panes_transmit(&self->panes, view->eye, from);
         if (put_near(self, element, share, true, near, to)) continue;
-        const double *mean = self->leaving[element].mean;
+        const double *mean = self->leaving[element];
         for (int c = 0; c < 3; c++) to->all[c] += share * mean[c];
         if (!passes_black(self, view, from, element)) continue;
         for (int c = 0; c < 3; c++) to->own[c] += share * self->own[element][c];
@@ -603,9 +616,10 @@ static void add_samples(Gatherer *self, const View *view, bool means, Near *near
         int element = mesh_element_at(self->scene.mesh, face->face, p);
         if (self->panes.count > 0) weight *= panes_transmit(&self->panes, view->eye, p);
         if (put_near(self, element, weight, means, near, to)) continue;
-        const Leaving *from = &self->leaving[element];
+        const Slope *slope = self->slope ? &self->slope[element] : NULL;
         for (int c = 0; c < 3; c++) {
-            light[c] = weight * (vec3_dot(from->slope[c], p) - from->offset[c] + (means ? from->mean[c] : 0));
+            light[c] = weight * ((slope ? vec3_dot(slope->slope[c], p) - slope->offset[c] : 0) +
+                                 (means ? self->leaving[element][c] : 0));
             if (self->own) own[c] = weight * self->own[element][c];
         }
         arrive(light, own, passes_black(self, view, p, element), to);
@@ -661,12 +675,11 @@ GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
     return (GatherRow){row->count, element, share, row->sky_light, row->ground_light, doors};
 }
 
-void gather_along(const Gatherer *self, const GatherRow *row, double irradiance[3]) {
-    const Daylight *day = &self->scene.solution->day;
+void gather_along(double (*leaving)[3], const Daylight *day, const GatherRow *row, double irradiance[3]) {
     double below[3];
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     for (int i = 0; i < row->count; i++) {
-        const double *mean = self->leaving[row->element[i]].mean;
+        const double *mean = leaving[row->element[i]];
         for (int c = 0; c < 3; c++) irradiance[c] += (double)row->share[i] * mean[c];
     }
     daylight_below(day, below);

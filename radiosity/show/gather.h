@@ -47,6 +47,8 @@ Gatherer *gatherer_new_apart(const GatherScene *scene, const GatherOptions *opti
                              const Panes *closed, Arena *arena);
 // Frees the memory outside the arena.
 void gatherer_end(Gatherer *self);
+// To be called when the mesh was posed anew (mesh_pose), by a gatherer of rows.
+void gatherer_pose(Gatherer *self);
 // The irradiance at a point, W/m^2 a channel. Allocates nothing.
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]);
 // The same, and the part of it that is there with all rooms closed: light of `own`, past none of the black panes. `inside` (or NULL) is
@@ -65,8 +67,11 @@ typedef struct GatherRow {
 // Only with the options `reflected`, without walks, by a projective method, and for a scene without slopes. Both arrays live in the
 // arena.
 GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena);
-// The irradiance along a row under the scene's solution, W/m^2 a channel; as of `gather`, to rounding.
-void gather_along(const Gatherer *self, const GatherRow *row, double irradiance[3]);
+// The irradiance along a row, W/m^2 a channel, of the light that leaves the elements of a solution, under its day; as of `gather`, to
+// rounding.
+void gather_along(double (*leaving)[3], const Daylight *day, const GatherRow *row, double irradiance[3]);
+// The mean light that leaves each element, W/m^2, less its emission where that is found apart.
+double (*gather_leaving(const GatherScene *scene, const GatherOptions *options, Arena *arena))[3];
 
 // The cell in front of a point of a surface, -1 where there is no cell (then nothing is culled); `hint` as for vis_locate.
 int gather_cell(const CellGraph *graph, Vec3 point, Vec3 normal, int hint);

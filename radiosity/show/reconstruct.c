@@ -23,6 +23,8 @@ static const double NEAREST = 1e-18;
 static const double SLIVER = 0.25;
 // The rest laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
 static const double MOST_REST = 0.2;
+// A unit that has less than this share of the mean value is covered: in cracks light is the rounding of what was taken from it, and given.
+static const double COVERED = 1e-5;
 // Values between those of patches may be extrapolated to these shares of the least and the greatest of them.
 static const double LEAST_OUTSIDE = 0.3, MOST_OUTSIDE = 1.5;
 // Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.
@@ -39,14 +41,15 @@ typedef struct Fit {
     const Mesh *mesh;
     const Nodes *nodes;
     const RadSolution *solution;
-    Vec3 *centroid;      // [element_count]
+    Vec3 *centroid;      // [element_count] NULL: as the mesh has them
     double (*light)[3];  // [element_count] W/m^2, there
     bool *sliver;        // [element_count]
     const bool *wanted;  // [nodes->count] nodes to be found; NULL: all
-    bool *covered;       // [unit] no light reaches it: it says nothing of the light beside it; NULL: none is
-    bool of_patches;     // units are patches, not elements: `centroid` and `stamp` are theirs
-    int *stamp, now;     // [element_count] the collection that last took the unit
-    Vec3 x, y;           // of the node's plane
+    bool *
+        covered;  // [unit] hardly any light reaches it: it says nothing of the light beside it; NULL: none is
+    bool of_patches;  // units are patches, not elements: `centroid` and `stamp` are theirs
+    int *stamp, now;  // [element_count] the collection that last took the unit
+    Vec3 x, y;        // of the node's plane
     Around *around;
     int count, capacity;
     Arena scratch;
@@ -99,8 +102,9 @@ static void gather_around(Fit *fit, int element, Vec3 *moment, double power[3], 
 
 // Slivers beside objects on a surface are so small that few samples meet them, and what those say is noise. A sliver tells
 // the light of all around it, at the middle of their area, so that linear fields stay as they are.
-static void find_light(Fit *fit) {
+static void find_light(Fit *fit, const bool *asked) {
     for (int e = 0; e < fit->mesh->element_count; e++) {
+        if (asked && !asked[e]) continue;
         double power[3] = {0, 0, 0}, area = 0;
         Vec3 moment = {0, 0, 0};
         int count = 0;
@@ -116,6 +120,11 @@ static void find_light(Fit *fit) {
 
 // ---- which elements, or patches
 
+static Vec3 unit_centre(const Fit *fit, int unit) {
+    if (fit->centroid) return fit->centroid[unit];
+    return fit->of_patches ? fit->mesh->patches[unit].centre : element_centroid(fit->mesh, unit);
+}
+
 static void take_unit(Fit *fit, int node, int element) {
     const Nodes *nodes = fit->nodes;
     const Element *e = &fit->mesh->elements[element];
@@ -124,7 +133,7 @@ static void take_unit(Fit *fit, int node, int element) {
     if (fit->stamp[unit] == fit->now || (fit->covered && fit->covered[unit])) return;
     if (vec3_dot(fit->mesh->faces[e->face].plane.n, n) < NODES_CURVED) return;
     fit->stamp[unit] = fit->now;
-    Vec3 p = vec3_sub(fit->centroid[unit], fit->mesh->vertices[nodes->vertex[node]]);
+    Vec3 p = vec3_sub(unit_centre(fit, unit), fit->mesh->vertices[nodes->vertex[node]]);
     double square = vec3_dot(p, p);
     *ARENA_PUSH(&fit->scratch, fit->around, fit->count, fit->capacity) =
         (Around){unit, vec3_dot(fit->x, p), vec3_dot(fit->y, p), 1 / fmax(square, NEAREST), 0};
@@ -223,9 +232,10 @@ static void find_factors(Fit *fit, int node) {
     if (fit->count > 0) lay(fit, 0);
 }
 
-// Adds the fits of all nodes to the elements' light.
-static void add_fits(Fit *fit, double (*out)[3]) {
+// Adds the fits of nodes to the elements' light.
+static void add_fits(Fit *fit, const bool *asked, double (*out)[3]) {
     for (int n = 0; n < fit->nodes->count; n++) {
+        if (asked && !asked[n]) continue;
         find_factors(fit, n);
         for (int c = 0; c < 3; c++)
             for (int i = 0; i < fit->count; i++)
@@ -254,9 +264,10 @@ static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *sc
 }
 
 // Light of elements that their corners do not show: planes cut off the peaks of bent light. Slivers have nothing of their own.
-static void leave_the_rest(Fit *fit, double (*node)[3]) {
+static void leave_the_rest(Fit *fit, const bool *asked, double (*node)[3]) {
     Arena scratch = {0};
     for (int e = 0; e < fit->mesh->element_count; e++) {
+        if (asked && !asked[e]) continue;
         double shown[3] = {0, 0, 0};
         arena_reset(&scratch);
         shown_mean(fit, e, node, &scratch, shown);
@@ -266,7 +277,36 @@ static void leave_the_rest(Fit *fit, double (*node)[3]) {
     arena_free(&scratch);
 }
 
-void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
+// The elements that the fits at nodes may ask: those that meet at the nodes of those that meet there. NULL where all are asked.
+static bool *elements_about(const Fit *fit, const bool *node, Arena *arena) {
+    if (!node) return NULL;
+    const Mesh *mesh = fit->mesh;
+    const Nodes *nodes = fit->nodes;
+    bool *out = ARENA_ARRAY(arena, bool, mesh->element_count + 1);
+    for (int n = 0; n < nodes->count; n++)
+        for (int i = nodes->first[n]; i < nodes->first[n + 1] && node[n]; i++) {
+            const Element *e = &mesh->elements[nodes->element[i]];
+            for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+                for (int k = nodes->first[nodes->of_corner[c]]; k < nodes->first[nodes->of_corner[c] + 1];
+                     k++)
+                    out[nodes->element[k]] = true;
+        }
+    return out;
+}
+
+static bool *nodes_about(const Fit *fit, const bool *element, Arena *arena) {
+    if (!element) return NULL;
+    bool *out = ARENA_ARRAY(arena, bool, fit->nodes->count + 1);
+    for (int e = 0; e < fit->mesh->element_count; e++) {
+        const Element *of = &fit->mesh->elements[e];
+        for (int c = of->first_corner; c < of->first_corner + of->corner_count && element[e]; c++)
+            out[fit->nodes->of_corner[c]] = true;
+    }
+    return out;
+}
+
+void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, const bool *wanted,
+                       double (*out)[3]) {
     Fit fit = {.mesh = mesh, .nodes = nodes};
     RadSolution even = reconstruct_even(mesh, solution, &fit.scratch);
     fit.solution = &even;
@@ -274,12 +314,16 @@ void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->element_count);
     fit.sliver = ARENA_ARRAY(&fit.scratch, bool, mesh->element_count);
     fit.light = arena_alloc(&fit.scratch, (size_t)mesh->element_count, sizeof *fit.light);
-    find_light(&fit);
+    // Fits at the nodes wanted ask elements for their rests, which ask the fits at their own nodes, which ask elements for their light.
+    bool *rests = elements_about(&fit, wanted, &fit.scratch),
+         *fitted = nodes_about(&fit, rests, &fit.scratch),
+         *light = elements_about(&fit, fitted, &fit.scratch);
+    find_light(&fit, light);
     memset(out, 0, (size_t)nodes->count * sizeof *out);
     double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count, sizeof *rest);
-    add_fits(&fit, out);
-    leave_the_rest(&fit, out);
-    add_fits(&fit, rest);
+    add_fits(&fit, fitted, out);
+    leave_the_rest(&fit, rests, out);
+    add_fits(&fit, wanted, rest);
     for (int n = 0; n < nodes->count; n++) {
         for (int c = 0; c < 3; c++) {
             double first = fmax(out[n][c], 0), most = MOST_REST * first;
@@ -309,7 +353,7 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
     CORE_ASSERT(!value || solution->node_count == nodes.count);
     if (!value) {
         value = arena_alloc(&scratch, (size_t)nodes.count, sizeof *value);
-        reconstruct_nodes(mesh, &nodes, solution, value);
+        reconstruct_nodes(mesh, &nodes, solution, NULL, value);
     }
     for (int i = 0; i < mesh->corner_count; i++)
         memcpy(out.corner[i], value[nodes.of_corner[i]], sizeof *value);
@@ -433,37 +477,70 @@ typedef struct UnitPlace {
     bool there;
 } UnitPlace;
 
-// A unit has come to light, or is covered now: what nodes had of it, and of its neighbours, is found anew.
-static void forget_around(const Fit *fit, int unit, NodeFit *node) {
+// The elements of a unit: [first, end).
+static void unit_elements(const Fit *fit, int unit, int *first, int *end) {
+    *first = fit->of_patches ? fit->mesh->patches[unit].first_element : unit;
+    *end = *first + (fit->of_patches ? fit->mesh->patches[unit].element_count : 1);
+}
+
+static int unit_of(const Fit *fit, int element) {
+    return fit->of_patches ? fit->mesh->elements[element].patch : element;
+}
+
+static void add_nodes(const Fit *fit, int unit, Marks *to) {
+    int first, end;
+    unit_elements(fit, unit, &first, &end);
+    const Element *last = &fit->mesh->elements[end - 1];
+    for (int c = fit->mesh->elements[first].first_corner; c < last->first_corner + last->corner_count; c++)
+        marks_add(to, fit->nodes->of_corner[c]);
+}
+
+// Adds the nodes that may have a share of a unit: its own, and those of units that meet there.
+static void add_nodes_around(const Fit *fit, int unit, Marks *to) {
     const Mesh *mesh = fit->mesh;
     const Nodes *nodes = fit->nodes;
-    int first = fit->of_patches ? mesh->patches[unit].first_element : unit,
-        end = first + (fit->of_patches ? mesh->patches[unit].element_count : 1);
-    for (int c = mesh->elements[first].first_corner;
-         c < mesh->elements[end - 1].first_corner + mesh->elements[end - 1].corner_count; c++) {
+    int first, end;
+    unit_elements(fit, unit, &first, &end);
+    const Element *last = &mesh->elements[end - 1];
+    for (int c = mesh->elements[first].first_corner; c < last->first_corner + last->corner_count; c++) {
         int at = nodes->of_corner[c];
-        for (int i = nodes->first[at]; i < nodes->first[at + 1]; i++) {
-            const Patch *patch = &mesh->patches[mesh->elements[nodes->element[i]].patch];
-            int from = fit->of_patches ? patch->first_element : nodes->element[i],
-                to = fit->of_patches ? from + patch->element_count - 1 : from;
-            for (int k = mesh->elements[from].first_corner;
-                 k < mesh->elements[to].first_corner + mesh->elements[to].corner_count; k++)
-                node[nodes->of_corner[k]].there = false;
-        }
+        for (int i = nodes->first[at]; i < nodes->first[at + 1]; i++)
+            add_nodes(fit, unit_of(fit, nodes->element[i]), to);
     }
 }
 
+// A unit that has come to light, or is covered now, counts otherwise for the nodes of its neighbours: they forget their factors.
+static void note_covered(Fit *fit, int unit, const double value[3], ValueFits *kept, Marks *forget) {
+    bool covered = !(rgb_sum(value) > kept->least);
+    if (covered == kept->covered[unit]) return;
+    kept->covered[unit] = covered;
+    add_nodes_around(fit, unit, forget);
+}
+
+static void forget_factors(ValueFits *kept, const Marks *nodes) {
+    for (int i = 0; i < nodes->count; i++) kept->node[nodes->of[i]].there = false;
+}
+
 // Forgets what is no longer right of what the call before has kept.
-static void use_kept(Fit *fit, int units, ValueFits *kept) {
-    if (!kept->node) {
-        kept->node = ARENA_ARRAY(kept->arena, NodeFit, fit->nodes->count + 1);
-        kept->unit = ARENA_ARRAY(kept->arena, UnitPlace, units + 1);
-        kept->covered = ARENA_ARRAY(kept->arena, bool, units + 1);
-    } else {
-        for (int u = 0; u < units; u++)
-            if (fit->covered[u] != kept->covered[u]) forget_around(fit, u, kept->node);
+static void use_kept(Fit *fit, int units, double (*value)[3], ValueFits *kept) {
+    const int nodes = fit->nodes->count;
+    double sum = 0;
+    for (int u = 0; u < units; u++) sum += fmax(rgb_sum(value[u]), 0);
+    kept->least = COVERED * sum / fmax(units, 1);
+    if (kept->node) {
+        Marks forget = marks_new(nodes, &fit->scratch);
+        for (int u = 0; u < units; u++) note_covered(fit, u, value[u], kept, &forget);
+        forget_factors(kept, &forget);
+        return;
     }
-    memcpy(kept->covered, fit->covered, (size_t)units * sizeof *kept->covered);
+    kept->node = ARENA_ARRAY(kept->arena, NodeFit, nodes + 1);
+    kept->unit = ARENA_ARRAY(kept->arena, UnitPlace, units + 1);
+    kept->covered = ARENA_ARRAY(kept->arena, bool, units + 1);
+    kept->fitted = arena_alloc(kept->arena, (size_t)nodes + 1, sizeof *kept->fitted);
+    kept->rest = arena_alloc(kept->arena, (size_t)units + 1, sizeof *kept->rest);
+    kept->nodes = marks_new(nodes, kept->arena);
+    kept->units = marks_new(units, kept->arena);
+    for (int u = 0; u < units; u++) kept->covered[u] = !(rgb_sum(value[u]) > kept->least);
 }
 
 // The factors at a node, into `out`, whose memory is the arena's.
@@ -479,52 +556,34 @@ static void take_factors(Fit *fit, int node, Arena *arena, NodeFit *out) {
     for (int i = 0; i < fit->count; i++) out->of[i] = (FitFactor){fit->around[i].unit, fit->around[i].factor};
 }
 
-// The fits of all nodes to the values, between LEAST_OUTSIDE and MOST_OUTSIDE of those around.
-static void fit_values(Fit *fit, double (*value)[3], ValueFits *kept, double (*out)[3]) {
-    NodeFit own = {0};
-    for (int n = 0; n < fit->nodes->count; n++) {
-        double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {0};
-        if (fit->wanted && !fit->wanted[n]) continue;
-        NodeFit *at = kept ? &kept->node[n] : &own;
-        own.there = false;
-        take_factors(fit, n, kept ? kept->arena : &fit->scratch, at);
-        for (int c = 0; c < 3; c++) out[n][c] = 0;
-        if (at->count == 0) continue;
-        for (int i = 0; i < at->count; i++) {
-            const double *from = value[at->of[i].unit];
-            for (int c = 0; c < 3; c++) {
-                out[n][c] += at->of[i].factor * from[c];
-                low[c] = fmin(low[c], from[c]);
-                high[c] = fmax(high[c], from[c]);
-            }
+// The fit at a node to the values, between LEAST_OUTSIDE and MOST_OUTSIDE of those around.
+static void fit_value(const NodeFit *at, double (*value)[3], double out[3]) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {0};
+    for (int c = 0; c < 3; c++) out[c] = 0;
+    if (at->count == 0) return;
+    for (int i = 0; i < at->count; i++) {
+        const double *from = value[at->of[i].unit];
+        for (int c = 0; c < 3; c++) {
+            out[c] += at->of[i].factor * from[c];
+            low[c] = fmin(low[c], from[c]);
+            high[c] = fmax(high[c], from[c]);
         }
-        for (int c = 0; c < 3; c++)
-            out[n][c] = fmin(fmax(out[n][c], LEAST_OUTSIDE * low[c]), MOST_OUTSIDE * high[c]);
     }
+    for (int c = 0; c < 3; c++) out[c] = fmin(fmax(out[c], LEAST_OUTSIDE * low[c]), MOST_OUTSIDE * high[c]);
 }
 
 static void place_unit(const Fit *fit, int unit, Arena *scratch, UnitPlace *out) {
     const Mesh *mesh = fit->mesh;
+    Vec3 centre = unit_centre(fit, unit);
     int face = fit->of_patches ? mesh->patches[unit].face : mesh->elements[unit].face;
-    int in = fit->of_patches ? mesh_element_at(mesh, face, fit->centroid[unit]) : unit, best[3] = {0, 1, 2};
+    int in = fit->of_patches ? mesh_element_at(mesh, face, centre) : unit, best[3] = {0, 1, 2};
     const Element *e = &mesh->elements[in];
     Vec3 *v = ARENA_ARRAY(scratch, Vec3, e->corner_count);
     int *triangle = ARENA_ARRAY(scratch, int, 3 * e->corner_count);
     *out = (UnitPlace){.share = {1, 0, 0}, .there = true};
     triangulate(mesh, e, v, triangle);
-    find_shares(mesh, e, triangle, fit->centroid[unit], best, out->share);
+    find_shares(mesh, e, triangle, centre, best, out->share);
     for (int k = 0; k < 3; k++) out->node[k] = fit->nodes->of_corner[e->first_corner + best[k]];
-}
-
-// How far a value is above the linear light between the nodes.
-static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
-                          UnitPlace *place, double out[3]) {
-    if (!place->there) place_unit(fit, unit, scratch, place);
-    for (int c = 0; c < 3; c++) {
-        double shown = 0;
-        for (int k = 0; k < 3; k++) shown += place->share[k] * node[place->node[k]][c];
-        out[c] = value[c] - shown;
-    }
 }
 
 // Are all nodes of an element wanted?
@@ -535,42 +594,103 @@ static bool all_wanted(const Fit *fit, int element) {
     return c == end;
 }
 
+// How far a value is above the linear light between the nodes, where all of these are wanted.
+static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
+                          UnitPlace *place, double out[3]) {
+    if (fit->wanted && !all_wanted(fit, unit)) return;
+    if (!place->there) place_unit(fit, unit, scratch, place);
+    for (int c = 0; c < 3; c++) {
+        double shown = 0;
+        for (int k = 0; k < 3; k++) shown += place->share[k] * node[place->node[k]][c];
+        out[c] = value[c] - shown;
+    }
+}
+
+// Adds the mean of the rests of the elements around a node to its fit.
+static void add_rests(const Fit *fit, const bool *covered, double (*value)[3], double (*rest)[3], int node,
+                      const double fitted[3], double out[3]) {
+    double more[3] = {0, 0, 0};
+    int count = 0;
+    for (int i = fit->nodes->first[node]; i < fit->nodes->first[node + 1]; i++) {
+        int u = unit_of(fit, fit->nodes->element[i]);
+        if (covered[u]) continue;
+        count++;
+        for (int c = 0; c < 3; c++)
+            more[c] += fmin(fmax(rest[u][c], -MOST_REST * value[u][c]), MOST_REST * value[u][c]);
+    }
+    for (int c = 0; c < 3; c++) out[c] = fmax(fitted[c] + (count ? more[c] / count : 0), 0);
+}
+
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
                         const bool *wanted, double (*out)[3], double (*rest)[3], ValueFits *kept) {
     Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches, .wanted = wanted};
     Arena scratch = {0};
     int units = of_patches ? mesh->patch_count : mesh->element_count;
-    fit.covered = ARENA_ARRAY(&fit.scratch, bool, units + 1);
-    for (int u = 0; u < units; u++) fit.covered[u] = !(rgb_sum(value[u]) > 0);
     fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, units + 1);
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, units + 1);
-    if (!rest) rest = arena_alloc(&fit.scratch, (size_t)units + 1, sizeof *rest);
-    double(*more)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count + 1, sizeof *more);
-    int *count = ARENA_ARRAY(&fit.scratch, int, nodes->count + 1);
     for (int u = 0; u < units; u++)
         fit.centroid[u] = of_patches ? mesh->patches[u].centre : element_centroid(mesh, u);
-    if (kept) use_kept(&fit, units, kept);
-    fit_values(&fit, value, kept, out);
-    for (int u = 0; u < units; u++) {
-        UnitPlace own = {.there = false};
-        arena_reset(&scratch);
-        if (wanted && !all_wanted(&fit, u)) continue;
-        rest_of_value(&fit, out, u, value[u], &scratch, kept ? &kept->unit[u] : &own, rest[u]);
+    ValueFits own = {.arena = &fit.scratch};
+    if (!kept) kept = &own;
+    use_kept(&fit, units, value, kept);
+    fit.covered = kept->covered;
+    NodeFit one = {0};
+    for (int n = 0; n < nodes->count; n++) {
+        if (wanted && !wanted[n]) continue;
+        NodeFit *at = kept == &own ? &one : &kept->node[n];
+        one.there = false;
+        take_factors(&fit, n, kept->arena, at);
+        fit_value(at, value, kept->fitted[n]);
     }
-    for (int e = 0; e < mesh->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        if (fit.covered[of_patches ? element->patch : e]) continue;
-        for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
-            int n = nodes->of_corner[i];
-            count[n]++;
-            int u = of_patches ? element->patch : e;
-            for (int c = 0; c < 3; c++)
-                more[n][c] += fmin(fmax(rest[u][c], -MOST_REST * value[u][c]), MOST_REST * value[u][c]);
-        }
+    for (int u = 0; u < units; u++) {
+        arena_reset(&scratch);
+        rest_of_value(&fit, kept->fitted, u, value[u], &scratch, &kept->unit[u], kept->rest[u]);
     }
     for (int n = 0; n < nodes->count; n++)
-        for (int c = 0; c < 3 && (!wanted || wanted[n]); c++)
-            out[n][c] = fmax(out[n][c] + (count[n] ? more[n][c] / count[n] : 0), 0);
+        if (!wanted || wanted[n])
+            add_rests(&fit, kept->covered, value, kept->rest, n, kept->fitted[n], out[n]);
+    if (rest) memcpy(rest, kept->rest, (size_t)units * sizeof *rest);
+    arena_free(&scratch);
+    arena_free(&fit.scratch);
+}
+
+void reconstruct_values_again(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
+                              const bool *wanted, const Marks *changed, double (*out)[3], ValueFits *kept) {
+    Fit fit = {
+        .mesh = mesh, .nodes = nodes, .of_patches = of_patches, .wanted = wanted, .covered = kept->covered};
+    Arena scratch = {0};
+    int units = of_patches ? mesh->patch_count : mesh->element_count;
+    Marks *found = &kept->nodes, *rests = &kept->units;
+    fit.stamp = ARENA_ARRAY(&fit.scratch, int, units + 1);
+    marks_clear(found);
+    marks_clear(rests);
+    for (int i = 0; i < changed->count; i++)
+        note_covered(&fit, changed->of[i], value[changed->of[i]], kept, found);
+    forget_factors(kept, found);
+    for (int i = 0; i < changed->count; i++) {
+        add_nodes_around(&fit, changed->of[i], found);
+        marks_add(rests, changed->of[i]);
+    }
+    int fitted = found->count;
+    for (int i = 0; i < fitted; i++) {
+        int n = found->of[i];
+        if (wanted && !wanted[n]) continue;
+        take_factors(&fit, n, kept->arena, &kept->node[n]);
+        fit_value(&kept->node[n], value, kept->fitted[n]);
+        for (int k = nodes->first[n]; k < nodes->first[n + 1]; k++)
+            marks_add(rests, unit_of(&fit, nodes->element[k]));
+    }
+    for (int i = 0; i < rests->count; i++) {
+        int u = rests->of[i];
+        arena_reset(&scratch);
+        rest_of_value(&fit, kept->fitted, u, value[u], &scratch, &kept->unit[u], kept->rest[u]);
+        add_nodes(&fit, u, found);
+    }
+    for (int i = 0; i < found->count; i++) {
+        int n = found->of[i];
+        if (!wanted || wanted[n])
+            add_rests(&fit, kept->covered, value, kept->rest, n, kept->fitted[n], out[n]);
+    }
     arena_free(&scratch);
     arena_free(&fit.scratch);
 }

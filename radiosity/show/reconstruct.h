@@ -2,6 +2,7 @@
 #ifndef RADIOSITY_RECONSTRUCT_H
 #define RADIOSITY_RECONSTRUCT_H
 
+#include "engine/core/sets.h"
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
@@ -27,11 +28,14 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
 // The mean of a solution's light over a face.
 void reconstruct_face(const Mesh *mesh, int face, const RadSolution *solution, double out[3]);
 
-// The even radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
-void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
+// The even radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel. `wanted` [nodes->count]: the
+// nodes whose light is asked for, that of others may be anything; NULL: all.
+void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, const bool *wanted,
+                       double (*out)[3]);
 
 // The same from values at the centres of patches, or at the centroids of elements. Linear light between the nodes passes through the values
-// where they bend by less than a fifth. How far a plane through the values around each was below it goes into `rest`, if not NULL.
+// where they bend by less than a fifth. Units that hardly any light reaches say nothing of the light beside them. How far a plane through
+// the values around each was below it goes into `rest`, if not NULL.
 // `wanted` [nodes->count]: the nodes to be found; NULL: all. `kept`, or NULL: so that the next call, of the same mesh, nodes and wanted
 // ones, takes less time and has the same result. Leaves of doors may have moved meanwhile.
 typedef struct ValueFits {
@@ -39,9 +43,16 @@ typedef struct ValueFits {
     struct NodeFit *node;
     struct UnitPlace *unit;
     bool *covered;
+    double least;                     // units of no more are covered
+    double (*fitted)[3], (*rest)[3];  // [nodes], [units] of the last call
+    Marks nodes, units;               // those found by the last reconstruct_values_again
 } ValueFits;
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
                         const bool *wanted, double (*out)[3], double (*rest)[3], ValueFits *kept);
+// The same where `out` is as the last call with these fits left it, and only the values of the units `changed` differ from those it had.
+// Touches only the nodes whose values may differ: `kept->nodes`.
+void reconstruct_values_again(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
+                              const bool *wanted, const Marks *changed, double (*out)[3], ValueFits *kept);
 
 // The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);

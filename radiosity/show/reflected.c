@@ -30,30 +30,32 @@ enum { PARTS_A_LOOK = 1024 };
 // too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
 static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
 
-// Irradiances by reflected light of elements, from an even solution: that of their patch, and the step from it that shots tell.
-static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
-    for (int p = 0; p < mesh->patch_count; p++) {
-        const Patch *patch = &mesh->patches[p];
-        int first = patch->first_element, end = first + patch->element_count;
-        double rho[3], emitted[3];
-        rgb_doubles(mesh_material(mesh, patch->face)->reflectance, rho);
-        rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
-        double trust = fmax(0, 1 - (double)s->noise[p] / NOISY);
-        for (int c = 0; c < 3; c++) {
-            double value = s->reflected[p][c], power = 0, area = 0;
-            for (int e = first; e < end; e++) {
-                const double size = mesh->elements[e].area;
-                out[e][c] = s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c];
-                power += size * out[e][c];
-                area += size;
-            }
-            for (int e = first; e < end; e++) {
-                bool sliver = mesh->elements[e].area * patch->element_count < SLIVER * area;
-                double step = rho[c] > 0 && !sliver ? trust * (out[e][c] - power / area) / rho[c] : 0;
-                out[e][c] = value + fmin(fmax(step, -MOST_CHANGE * value), MOST_CHANGE * value);
-            }
+// Irradiances by reflected light of a patch's elements, from an even solution: that of the patch, and the step from it that shots tell.
+static void find_patch_values(const Mesh *mesh, const RadSolution *s, int p, double (*out)[3]) {
+    const Patch *patch = &mesh->patches[p];
+    int first = patch->first_element, end = first + patch->element_count;
+    double rho[3], emitted[3];
+    rgb_doubles(mesh_material(mesh, patch->face)->reflectance, rho);
+    rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
+    double trust = fmax(0, 1 - (double)s->noise[p] / NOISY);
+    for (int c = 0; c < 3; c++) {
+        double value = s->reflected[p][c], power = 0, area = 0;
+        for (int e = first; e < end; e++) {
+            const double size = mesh->elements[e].area;
+            out[e][c] = s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c];
+            power += size * out[e][c];
+            area += size;
+        }
+        for (int e = first; e < end; e++) {
+            bool sliver = mesh->elements[e].area * patch->element_count < SLIVER * area;
+            double step = rho[c] > 0 && !sliver ? trust * (out[e][c] - power / area) / rho[c] : 0;
+            out[e][c] = value + fmin(fmax(step, -MOST_CHANGE * value), MOST_CHANGE * value);
         }
     }
+}
+
+static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
+    for (int p = 0; p < mesh->patch_count; p++) find_patch_values(mesh, s, p, out);
 }
 
 typedef struct Steps {
@@ -157,12 +159,33 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
 
 // ---- light at nodes
 
+// Where light is found that is shown on a finer mesh, the same for all light; and what the last light was there, if it is `kept`.
+typedef struct ReflectedPlaces {
+    Nodes own;      // of the mesh that light was found on
+    int *triangle;  // of its elements
+    int *in;        // [shown->element_count] the element around each
+    int *part;      // [count] elements that gather light by themselves
+    int count;
+    bool *anew;  // [nodes of the finer mesh] of parts
+    int *which;  // [count] parts that gather now
+    // Values of the elements, and what strong patches send to the patches: at the elements, at own nodes and at corners.
+    double (*coarse)[3], (*node[2])[3], (*corner[2])[3];
+    double (*gathered)[3];  // [count] by parts, without what strong patches send
+    double (*value)[3];     // [shown->element_count] at the middles
+    // To go on from this light.
+    bool kept, whole;  // `whole`: it was found to the end
+    ValueFits elements, patches, parts;
+    int *first_within, *within;         // the elements of the finer mesh in each element
+    int *part_of;                       // [shown->element_count] its index in `part`, -1
+    Marks changed[2], around, middles;  // elements, patches; elements; elements of the finer mesh
+} ReflectedPlaces;
+
 typedef struct Parts {
     const GatherScene *scene;
     const Mesh *shown;
-    Gatherer **gatherer;   // [threads]
-    const int *part, *in;  // elements of `shown`, and of the scene's mesh around them
-    double (*value)[3];    // [shown->element_count]
+    const ReflectedPlaces *places;
+    Gatherer **gatherer;   // [threads] NULL: all rows are there
+    double (*leaving)[3];  // of gather_leaving
     int first;             // of this look
     PartRows *kept;        // or NULL
 } Parts;
@@ -170,13 +193,14 @@ typedef struct Parts {
 static void gather_part(void *context, int index, int thread) {
     const Parts *p = context;
     const Mesh *mesh = p->scene->mesh;
-    int at_row = p->first + index, part = p->part[at_row];
+    int at_row = p->places->which[p->first + index], part = p->places->part[at_row];
+    double *out = p->places->gathered[at_row];
     GatherRow *row = p->kept ? &p->kept->row[at_row] : NULL;
     if (row && p->kept->there[at_row]) {
-        gather_along(p->gatherer[thread], row, p->value[part]);
+        gather_along(p->leaving, &p->scene->solution->day, row, out);
         return;
     }
-    const Element *around = &mesh->elements[p->in[part]];
+    const Element *around = &mesh->elements[p->places->in[part]];
     const Face *face = &mesh->faces[around->face];
     bool surface = mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
     int hint = mesh->patches[around->patch].cell;
@@ -187,25 +211,40 @@ static void gather_part(void *context, int index, int thread) {
         *row = gather_row_new(p->gatherer[thread], &from, &p->kept->kept[thread]);
         p->kept->leaf[at_row] = mesh->graph->objects[face->object].leaf;
         p->kept->there[at_row] = true;
-        gather_along(p->gatherer[thread], row, p->value[part]);
+        gather_along(p->leaving, &p->scene->solution->day, row, out);
     } else {
-        gather(p->gatherer[thread], &from, p->value[part]);
+        gather(p->gatherer[thread], &from, out);
     }
 }
 
 void part_rows_end(PartRows *rows) {
+    for (int t = 0; rows->gatherer && t < rows->thread_count; t++) gatherer_end(rows->gatherer[t]);
     for (int t = 0; rows->kept && t < rows->thread_count; t++) arena_free(&rows->kept[t]);
     arena_free(&rows->arena);
 }
 
+static Gatherer **gatherers_new(const GatherScene *scene, int threads, Arena *arena) {
+    Gatherer **out = ARENA_ARRAY(arena, Gatherer *, threads + 1);
+    GatherOptions options = gather_default_options();
+    options.resolution = RESOLUTION;
+    options.reflected = true;
+    for (int t = 0; t < threads; t++) out[t] = gatherer_new(scene, &options, arena);
+    return out;
+}
+
 // Room for the rows of so many parts.
-static void part_rows_start(PartRows *rows, int count) {
+static void part_rows_start(PartRows *rows, const GatherScene *scene, int count) {
     if (rows->row) return;
     rows->count = count;
     rows->row = ARENA_ARRAY(&rows->arena, GatherRow, count + 1);
     rows->there = ARENA_ARRAY(&rows->arena, bool, count + 1);
     rows->leaf = ARENA_ARRAY(&rows->arena, int, count + 1);
     rows->kept = ARENA_ARRAY(&rows->arena, Arena, rows->thread_count);
+    rows->solution = (RadSolution){.element_count = scene->solution->element_count,
+                                   .radiosity = scene->solution->radiosity,
+                                   .day = scene->solution->day};
+    rows->scene = *scene;
+    rows->scene.solution = &rows->solution;
 }
 
 // Copies the rows that are there to memory of their own once as much again was used as at the last time.
@@ -231,39 +270,33 @@ static void close_gaps(PartRows *rows, int words) {
     rows->used = kept.used;
 }
 
-static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count,
-                         const int *in, int threads, PartRows *kept, const Progress *progress,
-                         double (*value)[3]) {
+// Light of `count` parts of places->which.
+static bool gather_parts(const GatherScene *scene, const Mesh *shown, const ReflectedPlaces *places,
+                         int count, int threads, PartRows *kept, const Progress *progress) {
     Arena scratch = {0};
     threads = kept ? kept->thread_count : parallel_threads(threads);
-    Parts p = {scene, shown, ARENA_ARRAY(&scratch, Gatherer *, threads), part, in, value, .kept = kept};
-    if (kept) part_rows_start(kept, count);
-    GatherOptions options = gather_default_options();
-    options.resolution = RESOLUTION;
-    options.reflected = true;
-    for (int t = 0; t < threads; t++) p.gatherer[t] = gatherer_new(scene, &options, &scratch);
+    Parts p = {scene, shown, places, .kept = kept};
+    bool makes = !kept;
+    for (int i = 0; i < count && !makes; i++) makes = !kept->there[places->which[i]];
+    if (kept) {
+        GatherOptions options = gather_default_options();
+        p.leaving = gather_leaving(scene, &options, &scratch);
+    }
+    if (makes && kept && !kept->gatherer) {
+        kept->solution.radiosity = scene->solution->radiosity;
+        kept->gatherer = gatherers_new(&kept->scene, threads, &kept->arena);
+    }
+    if (makes) p.gatherer = kept ? kept->gatherer : gatherers_new(scene, threads, &scratch);
     bool go_on = true;
     for (; p.first < count && go_on; p.first += PARTS_A_LOOK) {
         go_on = progress_report(progress, "reflected light", (double)p.first / count);
         int left = count - p.first;
         if (go_on) parallel_for(threads, left < PARTS_A_LOOK ? left : PARTS_A_LOOK, gather_part, &p);
     }
-    for (int t = 0; t < threads; t++) gatherer_end(p.gatherer[t]);
+    for (int t = 0; t < threads && makes && !kept; t++) gatherer_end(p.gatherer[t]);
     arena_free(&scratch);
     return go_on;
 }
-
-// Where light is found that is shown on a finer mesh, the same for all light.
-typedef struct ReflectedPlaces {
-    Nodes own;      // of the mesh that light was found on
-    int *triangle;  // of its elements
-    int *in;        // [shown->element_count] the element around each
-    int *part;      // [count] elements that gather light by themselves
-    int count;
-    bool *anew;  // [nodes of the finer mesh] of parts
-    bool keeps;  // what fits of values need is kept in these
-    ValueFits elements, patches, parts;
-} ReflectedPlaces;
 
 static bool part_moves(const PartRows *rows, const Mesh *shown, int i, const MovedDoors *moved) {
     int part = rows->places->part[i];
@@ -282,26 +315,58 @@ int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved) {
         rows->there[i] = false;
         dropped++;
     }
+    for (int t = 0; rows->gatherer && t < rows->thread_count; t++) gatherer_pose(rows->gatherer[t]);
     if (rows->count > 0) close_gaps(rows, (shown->graph->building->opening_count + 63) / 64);
     return dropped;
 }
 
+// The elements of the finer mesh in each element, in their order.
+static void find_within(ReflectedPlaces *p, const Mesh *mesh, const Mesh *shown, Arena *arena) {
+    p->first_within = ARENA_ARRAY(arena, int, mesh->element_count + 2);
+    p->within = ARENA_ARRAY(arena, int, shown->element_count + 1);
+    int *next = p->first_within + 1;
+    for (int e = 0; e < shown->element_count; e++) next[p->in[e] + 1]++;
+    for (int e = 0; e < mesh->element_count; e++) next[e + 1] += next[e];
+    for (int e = 0; e < shown->element_count; e++) p->within[next[p->in[e]]++] = e;
+}
+
 static ReflectedPlaces *places_of(const Mesh *mesh, const MeshDepth *halved, const Mesh *shown,
-                                  const Nodes *nodes, Arena *arena) {
+                                  const Nodes *nodes, bool kept, Arena *arena) {
     ReflectedPlaces *p = ARENA_ARRAY(arena, ReflectedPlaces, 1);
     p->own = nodes_of(mesh, arena);
     p->triangle = reconstruct_triangles(mesh, arena);
     p->in = ARENA_ARRAY(arena, int, shown->element_count + 1);
     p->part = ARENA_ARRAY(arena, int, shown->element_count + 1);
+    p->part_of = ARENA_ARRAY(arena, int, shown->element_count + 1);
     p->anew = ARENA_ARRAY(arena, bool, nodes->count + 1);
     for (int e = 0; e < shown->element_count; e++) {
         const Element *element = &shown->elements[e];
         p->in[e] = shown_around(mesh, shown, e);
+        p->part_of[e] = -1;
         if (!halved || halved[p->in[e]].x + halved[p->in[e]].y == 0) continue;
-        if (mesh_owns(shown, element->face)) p->part[p->count++] = e;
+        if (mesh_owns(shown, element->face)) {
+            p->part_of[e] = p->count;
+            p->part[p->count++] = e;
+        }
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
             p->anew[nodes->of_corner[c]] = true;
     }
+    p->which = ARENA_ARRAY(arena, int, p->count + 1);
+    p->coarse = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *p->coarse);
+    p->gathered = arena_alloc(arena, (size_t)p->count + 1, sizeof *p->gathered);
+    p->value = arena_alloc(arena, (size_t)shown->element_count + 1, sizeof *p->value);
+    for (int i = 0; i < 2; i++) {
+        p->node[i] = arena_alloc(arena, (size_t)p->own.count + 1, sizeof *p->node[i]);
+        p->corner[i] = arena_alloc(arena, (size_t)mesh->corner_count + 1, sizeof *p->corner[i]);
+    }
+    if (!kept) return p;
+    p->kept = true;
+    p->elements.arena = p->patches.arena = p->parts.arena = arena;
+    find_within(p, mesh, shown, arena);
+    p->changed[0] = marks_new(mesh->element_count, arena);
+    p->changed[1] = marks_new(mesh->patch_count, arena);
+    p->around = marks_new(mesh->element_count, arena);
+    p->middles = marks_new(shown->element_count, arena);
     return p;
 }
 
@@ -310,32 +375,54 @@ typedef struct Between {
     const Mesh *mesh, *shown;
     const Nodes *nodes;
     const ReflectedPlaces *places;
-    VertexLight light;
-    double (*value)[3], (*out)[3];  // [shown->element_count], [nodes->count]
+    VertexLight light, by_strong;
+    double (*out)[3];  // [nodes->count]
 } Between;
+
+static Between between_of(const Mesh *mesh, const Mesh *shown, const Nodes *nodes, const ReflectedPlaces *p,
+                          double (*out)[3]) {
+    return (Between){mesh,
+                     shown,
+                     nodes,
+                     p,
+                     {.corner = p->corner[0], .triangle = p->triangle},
+                     {.corner = p->corner[1], .triangle = p->triangle},
+                     out};
+}
 
 // Elements or nodes that one thread takes at a time.
 enum { AT_A_TIME = 2048 };
 
 static int times(int count) { return (count + AT_A_TIME - 1) / AT_A_TIME; }
 
+// Light at the middle of an element of the finer mesh.
+static void light_middle(const Between *b, int e) {
+    const ReflectedPlaces *p = b->places;
+    Vec3 middle = element_centroid(b->shown, e);
+    int part = p->part_of[e];
+    reconstruct_in(b->mesh, part < 0 ? &b->light : &b->by_strong, p->in[e], middle, p->value[e]);
+    for (int c = 0; c < 3 && part >= 0; c++) p->value[e][c] += p->gathered[part][c];
+}
+
 static void light_middles(void *context, int index, int thread) {
     const Between *b = context;
     int first = index * AT_A_TIME, end = first + AT_A_TIME;
     (void)thread;
-    for (int e = first; e < end && e < b->shown->element_count; e++)
-        reconstruct_in(b->mesh, &b->light, b->places->in[e], element_centroid(b->shown, e), b->value[e]);
+    for (int e = first; e < end && e < b->shown->element_count; e++) light_middle(b, e);
+}
+
+static void light_node(const Between *b, int n) {
+    const Nodes *nodes = b->nodes;
+    if (b->places->anew[n]) return;
+    reconstruct_in(b->mesh, &b->light, b->places->in[nodes->element[nodes->first[n]]],
+                   b->shown->vertices[nodes->vertex[n]], b->out[n]);
 }
 
 static void light_nodes(void *context, int index, int thread) {
     const Between *b = context;
-    const Nodes *nodes = b->nodes;
     int first = index * AT_A_TIME, end = first + AT_A_TIME;
     (void)thread;
-    for (int n = first; n < end && n < nodes->count; n++)
-        if (!b->places->anew[n])
-            reconstruct_in(b->mesh, &b->light, b->places->in[nodes->element[nodes->first[n]]],
-                           b->shown->vertices[nodes->vertex[n]], b->out[n]);
+    for (int n = first; n < end && n < b->nodes->count; n++) light_node(b, n);
 }
 
 // The solution without what strong patches reflect, which parts have as it is around them.
@@ -351,14 +438,12 @@ static RadSolution weak_light(const Mesh *mesh, const RadSolution *solution, Are
     return weak;
 }
 
-// Values at the nodes of the mesh that light was found on, at its corners.
-static double (*at_corners(const Mesh *mesh, const Nodes *own, bool of_patches, double (*value)[3],
-                           ValueFits *kept, Arena *arena))[3] {
-    double(*node)[3] = arena_alloc(arena, (size_t)own->count + 1, sizeof *node),
-    (*out)[3] = arena_alloc(arena, (size_t)mesh->corner_count + 1, sizeof *out);
-    reconstruct_values(mesh, own, of_patches, value, NULL, node, NULL, kept);
-    for (int i = 0; i < mesh->corner_count; i++) memcpy(out[i], node[own->of_corner[i]], sizeof *node);
-    return out;
+// Values at the nodes of the mesh that light was found on, at its corners. `which`: 0, those of elements; 1, those of patches.
+static void light_corners(const Mesh *mesh, ReflectedPlaces *p, int which, double (*value)[3]) {
+    ValueFits *fits = which == 0 ? &p->elements : &p->patches;
+    reconstruct_values(mesh, &p->own, which == 1, value, NULL, p->node[which], NULL, p->kept ? fits : NULL);
+    for (int i = 0; i < mesh->corner_count; i++)
+        memcpy(p->corner[which][i], p->node[which][p->own.of_corner[i]], sizeof *p->corner[which]);
 }
 
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
@@ -366,51 +451,118 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
                      double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
     Arena scratch = {0};
-    double(*coarse)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *coarse);
     RadSolution even = reconstruct_even(mesh, scene->solution, &scratch);
-    find_values(mesh, &even, coarse);
     if (shown == mesh) {
-        reconstruct_values(mesh, nodes, false, coarse, NULL, out, NULL, NULL);
+        double(*value)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *value);
+        find_values(mesh, &even, value);
+        reconstruct_values(mesh, nodes, false, value, NULL, out, NULL, NULL);
         arena_free(&scratch);
         return true;
     }
-    ReflectedPlaces *places = kept && kept->places
-                                  ? kept->places
-                                  : places_of(mesh, halved, shown, nodes, kept ? &kept->arena : &scratch);
-    if (kept && !kept->places) {
-        places->elements.arena = places->patches.arena = places->parts.arena = &kept->arena;
-        places->keeps = true;
+    ReflectedPlaces *places = kept && kept->places ? kept->places
+                                                   : places_of(mesh, halved, shown, nodes, kept != NULL,
+                                                               kept ? &kept->arena : &scratch);
+    if (kept) {
+        kept->places = places;
+        part_rows_start(kept, scene, places->count);
     }
-    if (kept) kept->places = places;
+    places->whole = false;
     nodes_pose(&places->own, mesh);
-    double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);
-    Between between = {mesh, shown, nodes, places, {.triangle = places->triangle}, value, out},
-            by_strong = between;
-    between.light.corner =
-        at_corners(mesh, &places->own, false, coarse, places->keeps ? &places->elements : NULL, &scratch);
-    by_strong.light.corner = at_corners(mesh, &places->own, true, scene->solution->sent,
-                                        places->keeps ? &places->patches : NULL, &scratch);
+    find_values(mesh, &even, places->coarse);
+    light_corners(mesh, places, 0, places->coarse);
+    light_corners(mesh, places, 1, scene->solution->sent);
     int workers = parallel_threads(threads);
-    parallel_for(workers, times(shown->element_count), light_middles, &between);
     RadSolution weak = weak_light(mesh, scene->solution, &scratch);
     GatherScene weak_scene = *scene;
     weak_scene.solution = &weak;
-    bool go_on = gather_parts(&weak_scene, shown, places->part, places->count, places->in, threads, kept,
-                              progress, value);
-    for (int i = 0; i < places->count; i++) {
-        int part = places->part[i];
-        double more[3];
-        reconstruct_in(mesh, &by_strong.light, places->in[part], element_centroid(shown, part), more);
-        for (int c = 0; c < 3; c++) value[part][c] += more[c];
-    }
+    for (int i = 0; i < places->count; i++) places->which[i] = i;
+    bool go_on = gather_parts(&weak_scene, shown, places, places->count, threads, kept, progress);
+    Between between = between_of(mesh, shown, nodes, places, out);
+    parallel_for(workers, times(shown->element_count), light_middles, &between);
     if (borders) {
         go_on = !team_any(borders_member(borders), !go_on);
-        borders_fetch(borders, BORDER_ELEMENT, value, sizeof *value);
+        borders_fetch(borders, BORDER_ELEMENT, places->value, sizeof *places->value);
     }
     if (go_on)
-        reconstruct_values(shown, nodes, false, value, places->anew, out, NULL,
-                           places->keeps ? &places->parts : NULL);
+        reconstruct_values(shown, nodes, false, places->value, places->anew, out, NULL,
+                           places->kept ? &places->parts : NULL);
     parallel_for(workers, times(nodes->count), light_nodes, &between);
+    places->whole = go_on;
+    arena_free(&scratch);
+    return go_on;
+}
+
+// ---- light that goes on
+
+bool reflected_goes_on(const PartRows *kept) { return kept->places && kept->places->whole; }
+
+static void corners_again(const Mesh *mesh, ReflectedPlaces *p, int which, double (*value)[3]) {
+    ValueFits *fits = which == 0 ? &p->elements : &p->patches;
+    const Nodes *own = &p->own;
+    reconstruct_values_again(mesh, own, which == 1, value, NULL, &p->changed[which], p->node[which], fits);
+    for (int i = 0; i < fits->nodes.count; i++) {
+        int n = fits->nodes.of[i];
+        for (int k = own->first[n]; k < own->first[n + 1]; k++) {
+            const Element *e = &mesh->elements[own->element[k]];
+            marks_add(&p->around, own->element[k]);
+            for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+                if (own->of_corner[c] == n)
+                    memcpy(p->corner[which][c], p->node[which][n], sizeof *p->corner[which]);
+        }
+    }
+}
+
+bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *nodes, const Marks *changed,
+                     PartRows *kept, const Progress *progress, double (*out)[3], Marks *found) {
+    const Mesh *mesh = scene->mesh;
+    ReflectedPlaces *p = kept->places;
+    Arena scratch = {0};
+    RadSolution even = reconstruct_even(mesh, scene->solution, &scratch),
+                weak = weak_light(mesh, scene->solution, &scratch);
+    GatherScene weak_scene = *scene;
+    weak_scene.solution = &weak;
+    p->whole = false;
+    nodes_pose(&p->own, mesh);
+    for (int i = 0; i < 2; i++) marks_clear(&p->changed[i]);
+    marks_clear(&p->around);
+    marks_clear(&p->middles);
+    for (int i = 0; i < changed->count; i++) {
+        const Patch *patch = &mesh->patches[changed->of[i]];
+        find_patch_values(mesh, &even, changed->of[i], p->coarse);
+        marks_add(&p->changed[1], changed->of[i]);
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
+            marks_add(&p->changed[0], e);
+    }
+    corners_again(mesh, p, 0, p->coarse);
+    corners_again(mesh, p, 1, scene->solution->sent);
+    int count = 0;
+    for (int i = 0; i < p->count; i++) {
+        bool gathers = changed->has[mesh->elements[p->in[p->part[i]]].patch] || !kept->there[i];
+        if (!gathers) continue;
+        p->which[count++] = i;
+        marks_add(&p->around, p->in[p->part[i]]);
+    }
+    bool go_on = gather_parts(&weak_scene, shown, p, count, 0, kept, progress);
+    Between between = between_of(mesh, shown, nodes, p, out);
+    for (int i = 0; i < p->around.count && go_on; i++) {
+        int e = p->around.of[i];
+        for (int k = p->first_within[e]; k < p->first_within[e + 1]; k++)
+            marks_add(&p->middles, p->within[k]);
+    }
+    for (int i = 0; i < p->middles.count; i++) light_middle(&between, p->middles.of[i]);
+    if (go_on) reconstruct_values_again(shown, nodes, false, p->value, p->anew, &p->middles, out, &p->parts);
+    for (int i = 0; i < p->parts.nodes.count && go_on; i++)
+        if (p->anew[p->parts.nodes.of[i]]) marks_add(found, p->parts.nodes.of[i]);
+    for (int i = 0; i < p->middles.count; i++) {
+        const Element *e = &shown->elements[p->middles.of[i]];
+        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) {
+            int n = nodes->of_corner[c];
+            if (found->has[n]) continue;
+            light_node(&between, n);
+            marks_add(found, n);
+        }
+    }
+    p->whole = go_on;
     arena_free(&scratch);
     return go_on;
 }

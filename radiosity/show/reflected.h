@@ -2,6 +2,7 @@
 #ifndef RADIOSITY_REFLECTED_H
 #define RADIOSITY_REFLECTED_H
 
+#include "engine/core/sets.h"
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/show/gather.h"
 
@@ -12,13 +13,18 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
                             const Borders *borders, Arena *arena);
 
 // Rows of the parts at which light is gathered, kept by a caller who gathers light of several solutions on one mesh. Start with all zeros,
-// but `thread_count`; reflected_nodes fills it when it is called first, with the rows of that solution's day.
+// but `thread_count`; reflected_nodes fills it when it is called first, with the rows of that solution's day. The mesh of that call must
+// last as long.
 typedef struct PartRows {
     GatherRow *row;  // [count]
     bool *there;     // [count]
     int *leaf;       // [count] the leaf that the part lies on, -1
     int count, thread_count;
     struct ReflectedPlaces *places;  // where light is found, which stays from light to light
+    // Those who make rows, [thread_count], NULL: nobody has yet; of the first scene, with a solution that has its day alone
+    Gatherer **gatherer;
+    GatherScene scene;
+    RadSolution solution;
     Arena arena;
     Arena *kept;  // [thread_count]
     size_t used;  // of them, bytes, when gaps were closed last
@@ -35,5 +41,11 @@ int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved);
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
                      int threads, PartRows *kept, const Borders *borders, const Progress *progress,
                      double (*out)[3]);
+// Is there light that reflected_again can go on from?
+bool reflected_goes_on(const PartRows *kept);
+// The same on the mesh, nodes and rows of the last call, `out` as that one left it, where the light of the patches `changed` alone differs
+// from what it was: only nodes about those, and about parts whose rows were dropped, are found anew. `found` gets them.
+bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *nodes, const Marks *changed,
+                     PartRows *kept, const Progress *progress, double (*out)[3], Marks *found);
 
 #endif

@@ -25,7 +25,7 @@ void shown_nodes(const Mesh *mesh, const RadSolution *solution, const Mesh *show
                  double (*out)[3]) {
     Arena scratch = {0};
     if (shown == mesh) {
-        reconstruct_nodes(mesh, nodes, solution, out);
+        reconstruct_nodes(mesh, nodes, solution, NULL, out);
         return;
     }
     VertexLight light = reconstruct_light(mesh, solution, &scratch);
@@ -84,11 +84,15 @@ static void light_elements(const Mesh *mesh, const RadSolution *solution, const 
     arena_free(&scratch);
 }
 
-bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer, Arena *arena,
-                RadSolution *out) {
+bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer, const Nodes *nodes,
+                Arena *arena, RadSolution *out) {
     Arena scratch = {0};
-    Nodes nodes = nodes_of(finer, &scratch);
-    bool good = nodes.count == solution->node_count;
+    Nodes own;
+    if (!nodes) {
+        own = nodes_of(finer, &scratch);
+        nodes = &own;
+    }
+    bool good = nodes->count == solution->node_count;
     if (good) {
         *out = *solution;
         out->shown = NULL;
@@ -98,7 +102,7 @@ bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer
         out->radiosity = arena_alloc(arena, (size_t)finer->element_count + 1, sizeof *out->radiosity);
         out->direct = arena_alloc(arena, (size_t)finer->element_count + 1, sizeof *out->direct);
         out->unshot = arena_alloc(arena, (size_t)finer->patch_count + 1, sizeof *out->unshot);
-        light_elements(mesh, solution, finer, &nodes, out);
+        light_elements(mesh, solution, finer, nodes, out);
     }
     arena_free(&scratch);
     return good;
@@ -112,7 +116,7 @@ bool shown_light(const Mesh *mesh, const RadSolution *solution, const float *doo
     Mesh *finer = ARENA_ARRAY(arena, Mesh, 1);
     RadSolution *out = ARENA_ARRAY(arena, RadSolution, 1);
     if (!shown_build(mesh, solution->shown, door_open, arena, finer, error)) return false;
-    if (!shown_fill(mesh, solution, finer, arena, out))
+    if (!shown_fill(mesh, solution, finer, NULL, arena, out))
         return error_set(error,
                          "the light is shown on elements that are not those of this program's version");
     *shown = finer;

@@ -11,9 +11,10 @@
 bool shown_light(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
                  const Mesh **shown, const RadSolution **light, Error *error);
 
-// The same light on a finer mesh that is there already. False: the nodes are not those of that mesh.
-bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer, Arena *arena,
-                RadSolution *out);
+// The same light on a finer mesh that is there already, and so may be its nodes (NULL: they are found). False: the nodes of the solution
+// are not those of that mesh.
+bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer, const Nodes *nodes,
+                Arena *arena, RadSolution *out);
 
 // The finer mesh alone.
 bool shown_build(const Mesh *mesh, const MeshSplits *splits, const float *door_open, Arena *arena, Mesh *out,

@@ -97,7 +97,7 @@ static Off shown_error(Lamps3 *l, int lamp, Vec3 low, Vec3 high) {
     Error error;
     if (one.shown) {
         cr_assert(shown_build(&alone, one.shown, l->doors, &scratch, &finer, &error));
-        cr_assert(shown_fill(&alone, &one, &finer, &scratch, &light));
+        cr_assert(shown_fill(&alone, &one, &finer, NULL, &scratch, &light));
         shown = &finer;
     }
     VertexLight field = reconstruct_light(shown, &light, &scratch);

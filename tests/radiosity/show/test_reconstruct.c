@@ -151,10 +151,33 @@ Test(reconstruct, what_stands_on_a_surface_parts_its_light) {
     cr_assert_float_eq(b[1], 1, 1e-12);
 }
 
+// Proves that light at nodes that alone are wanted is that of all nodes, to the last bit.
+Test(reconstruct, wanted_nodes_are_nodes_of_all) {
+    Lit *lit = lit_rooms(3);
+    const Mesh *mesh = &lit->mesh;
+    Nodes nodes = nodes_of(mesh, &lit->arena);
+    RadSolution s = reconstruct_dark(mesh, &lit->arena);
+    Random random = {3};
+    double(*all)[3] = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *all),
+    (*some)[3] = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *some);
+    bool *wanted = ARENA_ARRAY(&lit->arena, bool, nodes.count);
+    for (int e = 0; e < mesh->element_count; e++) reconstruct_set(&s, e, random_unit(&random));
+    reconstruct_nodes(mesh, &nodes, &s, NULL, all);
+    for (int round = 0; round < 20; round++) {
+        int first = random_index(&random, nodes.count), count = 1 + random_index(&random, 9);
+        for (int n = 0; n < nodes.count; n++) wanted[n] = n >= first && n < first + count;
+        reconstruct_nodes(mesh, &nodes, &s, wanted, some);
+        for (int n = first; n < first + count && n < nodes.count; n++)
+            cr_assert_arr_eq(some[n], all[n], sizeof *all, "node %d", n);
+    }
+    lit_free(lit);
+}
+
 // ---- fits that are kept
 
 // Proves that values of elements and of patches are fitted with what is kept from call to call just as without, to the last bit, also where
-// units come to light or are covered meanwhile, and where some nodes alone are wanted.
+// units come to light or are covered meanwhile, and where some nodes alone are wanted. And so are they where only what differs is found
+// anew.
 static void check_kept(bool of_patches, bool some) {
     Lit *lit = lit_rooms(3);
     const Mesh *mesh = &lit->mesh;
@@ -162,20 +185,28 @@ static void check_kept(bool of_patches, bool some) {
     Random random = {7};
     int units = of_patches ? mesh->patch_count : mesh->element_count;
     double(*value)[3] = arena_alloc(&lit->arena, (size_t)units, sizeof *value);
-    double(*out[2])[3];
-    for (int i = 0; i < 2; i++) out[i] = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *out[i]);
+    double(*out[3])[3];
+    for (int i = 0; i < 3; i++) out[i] = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *out[i]);
     bool *wanted = some ? ARENA_ARRAY(&lit->arena, bool, nodes.count) : NULL;
     for (int n = 0; some && n < nodes.count; n++) wanted[n] = random_index(&random, 3) > 0;
-    ValueFits kept = {.arena = &lit->arena};
+    ValueFits kept = {.arena = &lit->arena}, again = {.arena = &lit->arena};
+    Marks changed = marks_new(units, &lit->arena);
     for (int round = 0; round < 8; round++) {
+        marks_clear(&changed);
         for (int u = 0; u < units; u++) {
             if (round > 0 && random_index(&random, 20) > 0) continue;
             double light = random_index(&random, 4) == 0 ? 0 : random_unit(&random);
             for (int c = 0; c < 3; c++) value[u][c] = light;
+            marks_add(&changed, u);
         }
         reconstruct_values(mesh, &nodes, of_patches, value, wanted, out[0], NULL, NULL);
         reconstruct_values(mesh, &nodes, of_patches, value, wanted, out[1], NULL, &kept);
         cr_assert_arr_eq(out[0], out[1], (size_t)nodes.count * sizeof *out[0], "round %d", round);
+        if (round == 0)
+            reconstruct_values(mesh, &nodes, of_patches, value, wanted, out[2], NULL, &again);
+        else
+            reconstruct_values_again(mesh, &nodes, of_patches, value, wanted, &changed, out[2], &again);
+        cr_assert_arr_eq(out[0], out[2], (size_t)nodes.count * sizeof *out[0], "round %d, again", round);
     }
     lit_free(lit);
 }

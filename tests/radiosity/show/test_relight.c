@@ -51,7 +51,7 @@ Test(relight, kept_rows_are_rows_from_nothing, .timeout = 120) {
         to[door] = STATES[i];
         MovedDoors moved = mesh_move(&l->mesh, open, to, &scratch);
         memcpy(open, to, (size_t)openings * sizeof *to);
-        int dropped = shoot_rows_move(kept, &moved), differ = 0;
+        int dropped = shoot_rows_move(kept, &moved, NULL), differ = 0;
         cr_expect(dropped > 0 && dropped < 0.7 * l->mesh.patch_count, "%d of %d rows are dropped", dropped,
                   l->mesh.patch_count);
         make_rows(kept, &l->mesh);
@@ -157,6 +157,31 @@ static void check_path(bool day) {
 }
 Test(relight, path_does_not_matter_by_night, .timeout = 240) { check_path(false); }
 Test(relight, path_does_not_matter_by_day, .timeout = 240) { check_path(true); }
+
+// Proves that small changes do not add up: a door that opens in steps so small that most patches gather nothing at one of them shows the
+// light of the same state from nothing, within a thousandth in the mean and a hundredth in 99 of 100 nodes.
+Test(relight, small_steps_do_not_add_up, .timeout = 240) {
+    Lamps3 *l = lamps3_load(false), *other = lamps3_load(false);
+    lamps3_follow(l, 1e-4, 2);
+    lamps3_follow(other, 1e-4, 2);
+    Arena scratch = {0};
+    Rgb lit[4] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
+    enum { STEPS = 40 };
+    RadSolution there = {0};
+    for (int i = 0; i <= STEPS; i++) {
+        Arena gone = {0};
+        there = state(l, 0.5F + 0.1F * (float)i / STEPS, lit, i == STEPS ? &scratch : &gone);
+        arena_free(&gone);
+    }
+    RadSolution at_once = state(other, 0.6F, lit, &scratch);
+    Off off = compare(&at_once, &there, &scratch);
+    printf("after %d small steps %.4f %% off in the mean, %.3f %% at p99\n", STEPS, 100 * off.mean,
+           100 * off.p99);
+    cr_expect(off.mean < 1e-3 && off.p99 < 1e-2);
+    arena_free(&scratch);
+    lamps3_free(l);
+    lamps3_free(other);
+}
 
 // ---- doors of all kinds
 
@@ -285,7 +310,7 @@ static void check_second_room(Lamps3 *l, float open, double together, double eac
     Mesh mesh = lamps_mesh(&l->scene.lamps, &l->mesh, lit, &scratch),
          shown = lamps_mesh(&l->scene.lamps, direct_sources_shown(l->relight.sources), lit, &scratch);
     if (direct_sources_shown(l->relight.sources) != &l->mesh)
-        cr_assert(shown_fill(&mesh, &found, &shown, &scratch, &light));
+        cr_assert(shown_fill(&mesh, &found, &shown, NULL, &scratch, &light));
     VertexLight field = reconstruct_light(&shown, &light, &scratch);
     PathTracer *tracer = path_tracer_new(&mesh, NULL, &scratch);
     double off = 0, more = 0, all = 0;

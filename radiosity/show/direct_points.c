@@ -1094,6 +1094,17 @@ static bool is_met_by_doors(const Shaft *shaft, const MovedDoors *moved) {
     return false;
 }
 
+// May anything between two boxes meet one of the doors? All that is between them lies in the box about both.
+static bool is_near_doors(Box a, Box b, const MovedDoors *moved) {
+    Box both = box_grow(box_union(a, b), LONGEST_HAIR);
+    for (int i = 0; i < moved->count; i++)
+        for (int k = 0; k < 2; k++) {
+            Box door = moved->doors[i].box[k];
+            if (!box_is_empty(door) && box_overlap(both, door)) return true;
+        }
+    return false;
+}
+
 // Does the sun's beam to any point of a box meet another one? The box is a point where the other one is larger by its size.
 static bool beam_meets(Box from, Vec3 sun, Box door) {
     const double at[3] = {from.min.x, from.min.y, from.min.z}, along[3] = {sun.x, sun.y, sun.z},
@@ -1143,6 +1154,7 @@ static void lamps_that_change(const Settling *s, LampFlood *flood, int object, B
     *count = 0;
     for (int i = 0; i < asked_count; i++) {
         int lamp = asked[i];
+        if (!s->turned[lamp] && !is_near_doors(box, d->lamp_objects[lamp].box, s->moved)) continue;
         Shaft shaft = shaft_of_boxes(box, d->lamp_objects[lamp].box);
         bool meets = s->turned[lamp] || is_met_by_doors(&shaft, s->moved);
         if (meets && lamp_flood_reaches(flood, &shaft, object, d->lamp_objects[lamp].object))

@@ -23,8 +23,8 @@ static const double NEAREST = 1e-18;
 static const double SLIVER = 0.25;
 // The rest laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
 static const double MOST_REST = 0.2;
-// A unit that has less than this share of the mean value is covered: in cracks light is the rounding of what was taken from it, and given.
-static const double COVERED = 1e-5;
+// A unit that has less than this share of the mean value is covered: in cracks light may be the rounding of what was given and taken back.
+static const double COVERED = 1e-9;
 // Values between those of patches may be extrapolated to these shares of the least and the greatest of them.
 static const double LEAST_OUTSIDE = 0.3, MOST_OUTSIDE = 1.5;
 // Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.

@@ -89,7 +89,8 @@ static void find_lamp(LitStates *s, int lamp) {
     arena_free(&scratch);
 }
 
-bool lit_states_prepare(LitStates *s) {
+bool lit_states_prepare(LitStates *s, const Progress *progress) {
+    if (s->light->follower && light_follow_begin(s->light, progress)) return true;
     for (int i = 0; i < s->count; i++) {
         if (s->lamps[i].known) continue;
         find_lamp(s, i);

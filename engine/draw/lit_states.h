@@ -10,8 +10,9 @@ typedef struct LitStates LitStates;
 // `light` has `states` or a `follower`, and is drawn as `mesh`; both must outlive the result, which lives in the arena. Only one thread at
 // a time may ask.
 LitStates *lit_states_new(const LitMesh *mesh, const WalkLight *light, Arena *arena);
-// Prepares one lamp more, a pass over all that is drawn; false: all are prepared.
-bool lit_states_prepare(LitStates *states);
+// Prepares what the first door asks for that moves, or one lamp more, a pass over all that is drawn; false: all is prepared, or progress
+// asked to stop.
+bool lit_states_prepare(LitStates *states, const Progress *progress);
 // Is light with the doors, [opening_count], in such a state a sum?
 bool lit_states_sums(const LitStates *states, const float *doors);
 // The light with the lamps, [count of all lamps], and the doors, [opening_count], in another state. As long as the doors stand as they were

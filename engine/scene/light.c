@@ -73,6 +73,7 @@ typedef struct LightFollower {
     Rgb *full;       // [count of the lamps]
     Arena kept[2];   // light that was found, each in the one that the light before does not lie in
     int at;
+    bool begun;
 } LightFollower;
 
 static RadSolution draw_followed(const WalkLight *light, const Rgb *lit, const RadSolution *found,
@@ -94,12 +95,12 @@ bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb
     return true;
 }
 
-bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
-                  Arena *arena, RadSolution *out) {
-    LightFollower *f = light->follower;
+// Into f->shown.
+static bool follow(LightFollower *f, const float *door_open, const Rgb *lit, const Progress *progress) {
     Arena *room = &f->kept[1 - f->at];
     size_t lamps = (size_t)f->relight.lamps->count;
     RadSolution found;
+    f->begun = true;
     arena_reset(room);
     Rgb *own = ARENA_ARRAY(room, Rgb, lamps + 1);
     memcpy(own, lit, lamps * sizeof *own);
@@ -107,8 +108,19 @@ bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit
     f->at = 1 - f->at;
     f->shown = found;
     f->lit = own;
-    *out = draw_followed(light, lit, &found, arena);
     return true;
+}
+
+bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
+                  Arena *arena, RadSolution *out) {
+    if (!follow(light->follower, door_open, lit, progress)) return false;
+    *out = draw_followed(light, lit, &light->follower->shown, arena);
+    return true;
+}
+
+bool light_follow_begin(const WalkLight *light, const Progress *progress) {
+    LightFollower *f = light->follower;
+    return !f->begun && follow(f, light->door_open, f->full, progress);
 }
 
 void light_follow_sum(const WalkLight *light, const Rgb *lit) {

@@ -68,6 +68,9 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena);
 // asked to stop. The result lives in the arena.
 bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
                   Arena *arena, RadSolution *out);
+// Finds all that light goes on from when the first door moves, so that this change takes no longer than others. False where this was done,
+// or progress asked to stop.
+bool light_follow_begin(const WalkLight *light, const Progress *progress);
 // The first step of it, soon done: the doors are there, but all light that is reflected is that of the light that is shown. False where
 // the lamps are not as they were then, or that light is not known.
 bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,

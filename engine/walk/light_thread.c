@@ -210,12 +210,13 @@ static bool can_make(LightThread *t) {
 // Goes on with lamps and doors until it is told to stop.
 static void serve_states(LightThread *t) {
     bool tried = !t->baker.anew;
+    Progress progress = {goes_on, t};
     for (;;) {
         bool idle = !t->states;  // nothing to prepare
         pthread_mutex_lock(&t->lock);
         bool asked = t->wanted;
         pthread_mutex_unlock(&t->lock);
-        if (!asked && t->states) idle = !lit_states_prepare(t->states);
+        if (!asked && t->states) idle = !lit_states_prepare(t->states, &progress);
         pthread_mutex_lock(&t->lock);
         while (idle && !t->wanted && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
         asked = t->wanted;

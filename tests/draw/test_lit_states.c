@@ -64,7 +64,7 @@ Test(lit_states, switched_as_loaded, .timeout = 120) {
             Rgb share = lit[l->scene.lamps.of_polygon[mesh->lamp[i]]];
             cr_expect_eq(now.on[i], share.r + share.g + share.b > 0);
         }
-        while (lit_states_prepare(states)) {
+        while (lit_states_prepare(states, NULL)) {
         }
         cr_assert(lit_states_fill(states, full, l->doors, NULL, &now));
         cr_expect_arr_eq(now.vertex, first.vertex, (size_t)vertices * sizeof *first.vertex);

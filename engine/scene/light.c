@@ -96,7 +96,8 @@ bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb
 }
 
 // Into f->shown.
-static bool follow(LightFollower *f, const float *door_open, const Rgb *lit, const Progress *progress) {
+static bool find_followed(LightFollower *f, const float *door_open, const Rgb *lit,
+                          const Progress *progress) {
     Arena *room = &f->kept[1 - f->at];
     size_t lamps = (size_t)f->relight.lamps->count;
     RadSolution found;
@@ -113,14 +114,14 @@ static bool follow(LightFollower *f, const float *door_open, const Rgb *lit, con
 
 bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit, const Progress *progress,
                   Arena *arena, RadSolution *out) {
-    if (!follow(light->follower, door_open, lit, progress)) return false;
+    if (!find_followed(light->follower, door_open, lit, progress)) return false;
     *out = draw_followed(light, lit, &light->follower->shown, arena);
     return true;
 }
 
 bool light_follow_begin(const WalkLight *light, const Progress *progress) {
     LightFollower *f = light->follower;
-    return !f->begun && follow(f, light->door_open, f->full, progress);
+    return !f->begun && find_followed(f, light->door_open, f->full, progress);
 }
 
 void light_follow_sum(const WalkLight *light, const Rgb *lit) {

@@ -668,7 +668,6 @@ static bool goes_on(const DirectSources *s, double (*share)[3]) {
 static bool show_again(DirectSources *s, double (*share)[3], const Mesh *lit, const Marks *changed,
                        const Progress *progress, RadSolution *solution) {
     ShownLast *last = s->last;
-    RadSolution rest = *solution;
     Showing show = s->show;
     GatherScene scene = {lit, show.forest, show.door_open, solution, NULL};
     marks_clear(&last->found);
@@ -678,7 +677,6 @@ static bool show_again(DirectSources *s, double (*share)[3], const Mesh *lit, co
         return false;
     for (int i = 0; i < last->lifted.count; i++) marks_add(&last->found, last->lifted.of[i]);
     show.mesh = lit;
-    show.rest = &rest;
     for (int i = 0; i < last->found.count; i++) {
         int n = last->found.of[i];
         add_up(&show, &s->nodes, n, true, last->reflected[n], last->straight[n], last->rest[n], last->all[n]);
@@ -695,23 +693,20 @@ static double (*copy_nodes(const DirectSources *s, double (*from)[3], Arena *are
 
 bool direct_show_next(DirectSources *s, double (*share)[3], const Mesh *lit, const Marks *changed,
                       const Progress *progress, Arena *arena, RadSolution *solution) {
-    bool again = changed && goes_on(s, share), good;
+    bool again = changed && goes_on(s, share);
     ShownLast *last = last_of(s);
     last->there = false;
     if (again) {
-        good = show_again(s, share, lit, changed, progress, solution);
+        if (!show_again(s, share, lit, changed, progress, solution)) return false;
         solution->node_count = s->nodes.count;
         solution->node = copy_nodes(s, last->all, arena);
         solution->rest = copy_nodes(s, last->rest, arena);
     } else {
-        good = show_state(s, share, lit, progress, last, arena, solution);
-        if (good) {
-            memcpy(last->all, solution->node, (size_t)s->nodes.count * sizeof *last->all);
-            memcpy(last->rest, solution->rest, (size_t)s->nodes.count * sizeof *last->rest);
-            memcpy(last->share, share, ((size_t)s->day + 1) * sizeof *share);
-        }
+        if (!show_state(s, share, lit, progress, last, arena, solution)) return false;
+        memcpy(last->all, solution->node, (size_t)s->nodes.count * sizeof *last->all);
+        memcpy(last->rest, solution->rest, (size_t)s->nodes.count * sizeof *last->rest);
+        memcpy(last->share, share, ((size_t)s->day + 1) * sizeof *share);
     }
-    if (!good) return false;
     marks_clear(&last->moved);
     marks_clear(&last->lifted);
     last->there = true;

@@ -357,6 +357,38 @@ bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out
     return true;
 }
 
+double ifc_along(const Curve *curve, Vec3 p, double *far) {
+    double best = INFINITY, out = 0;
+    for (int i = 0; i + 1 < curve->count; i++) {
+        Vec3 a = curve->points[i], d = vec3_sub(curve->points[i + 1], a);
+        double t = vec3_dot(vec3_sub(p, a), d) / vec3_dot(d, d);
+        t = t < 0 ? 0 : t > 1 ? 1 : t;
+        double off = vec3_length(vec3_sub(p, vec3_add(a, vec3_scale(d, t))));
+        if (off < best) {
+            best = off;
+            out = i + t;
+        }
+    }
+    if (far) *far = best;
+    return out;
+}
+
+// Vertices of an edge lie on its curve within this, metres; otherwise the edge is the whole curve between them.
+static const double EDGE_SLACK = 1e-3;
+
+// The places of an edge's ends along its curve; a closed curve is gone around beyond its last point where the edge needs it.
+static void edge_places(const Curve *curve, bool closed, Vec3 start, Vec3 end, double place[2]) {
+    double far[2], last = curve->count - 1;
+    place[0] = ifc_along(curve, start, &far[0]);
+    place[1] = ifc_along(curve, end, &far[1]);
+    if (curve->count < 2) far[0] = INFINITY;
+    if (closed && place[0] > last - 1e-6) place[0] = 0;
+    if (closed && place[1] <= place[0] + 1e-6) place[1] += last;
+    if (fmax(far[0], far[1]) <= EDGE_SLACK && place[0] < place[1]) return;
+    place[0] = 0;
+    place[1] = last;
+}
+
 bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curve *out) {
     int type = ifc_type(r, record), before = out->count;
     if (type == T_CIRCLE || type == T_ELLIPSE) {
@@ -365,11 +397,16 @@ bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curv
     }
     if (type != T_LINE && type >= 0) {
         Curve curve = {0};
+        double place[2];
         if (!ifc_curve(r, record, &curve)) return false;
+        bool closed = curve.closed;
         open_curve(r, &curve);
         if (!same_sense) turn_about(&curve);
-        for (int i = 0; i < curve.count; i++)
-            ifc_curve_push(r, out, i == 0 ? start : i + 1 == curve.count ? end : curve.points[i]);
+        edge_places(&curve, closed, start, end, place);
+        ifc_curve_push(r, out, start);
+        for (int i = (int)floor(place[0]) + 1; i < place[1] - 1e-6; i++)
+            ifc_curve_push(r, out, curve.points[i % (curve.count - 1)]);
+        ifc_curve_push(r, out, end);
         return true;
     }
     ifc_curve_push(r, out, start);

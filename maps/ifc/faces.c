@@ -104,7 +104,22 @@ static void add_rings(Reader *r, int record, const FaceRings *f, Shape *out) {
         ifc_note(r, record, "has %d corners and cannot be cut into convex faces", f->count);
 }
 
-static void brep_face(Reader *r, int record, Shape *out) {
+// A shell under construction: where each face begins, and the edges of faces on surfaces.
+typedef struct Shell {
+    int *first;
+    ShapeEdge *edges;
+    int count, room, edge_count, edge_room;
+    bool curved;  // one of its faces is
+} Shell;
+
+// The edges of a face's outline; holes turn either way.
+static void push_edges(Reader *r, const FaceRings *f, Shell *shell) {
+    for (int k = 0; f->ring_count > 0 && k < f->size[0]; k++)
+        *ARENA_PUSH(&r->scratch, shell->edges, shell->edge_count, shell->edge_room) =
+            (ShapeEdge){f->corners[k], f->corners[(k + 1) % f->size[0]], shell->count - 1};
+}
+
+static void brep_face(Reader *r, int record, Shell *shell, Shape *out) {
     StepValue v[3];
     int type = ifc_type(r, record), before = out->face_count;
     FaceRings f = {0};
@@ -114,8 +129,10 @@ static void brep_face(Reader *r, int record, Shape *out) {
         return;
     }
     if (!face_rings(r, &v[0], &f)) return;
-    bool same = !ifc_is(r, &v[2], "F");
-    if (type == T_FACE || v[1].record < 0 || ifc_type(r, v[1].record) == T_PLANE) {
+    if (type != T_FACE) push_edges(r, &f, shell);
+    bool same = !ifc_is(r, &v[2], "F"),
+         curved = type != T_FACE && v[1].record >= 0 && ifc_type(r, v[1].record) != T_PLANE;
+    if (!curved) {
         add_rings(r, record, &f, out);
     } else if (!ifc_curved_face(r, v[1].record, &f, same, out)) {
         ifc_note(r, v[1].record, "is no surface that is read: its faces are flat between their edges");
@@ -123,6 +140,7 @@ static void brep_face(Reader *r, int record, Shape *out) {
     }
     int look = ifc_style_of(r, record);
     for (int i = before; look >= 0 && i < out->face_count; i++) out->faces[i].material = look;
+    shell->curved |= curved;
 }
 
 static void add_shell(Reader *r, int record, Shape *out) {
@@ -134,8 +152,12 @@ static void add_shell(Reader *r, int record, Shape *out) {
         return;
     }
     StepCursor c = ifc_list(r, &list);
-    for (StepValue f = step_next(&c); f.kind != STEP_END && !ifc_too_many(r); f = step_next(&c))
-        brep_face(r, f.record, out);
+    Shell shell = {0};
+    for (StepValue f = step_next(&c); f.kind != STEP_END && !ifc_too_many(r); f = step_next(&c)) {
+        *ARENA_PUSH(&r->scratch, shell.first, shell.count, shell.room) = out->face_count;
+        brep_face(r, f.record, &shell, out);
+    }
+    if (shell.curved) shape_orient(&r->scratch, out, shell.first, shell.count, shell.edges, shell.edge_count);
     int look = ifc_style_of(r, record);
     for (int i = before; look >= 0 && i < out->face_count; i++)
         if (out->faces[i].material < 0) out->faces[i].material = look;

@@ -132,11 +132,38 @@ bool ifc_curve(Reader *r, int record, Curve *out);
 bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out);
 // The part of an edge's curve from its start to its end.
 bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curve *out);
+// The place of the point of an open curve nearest to p, in points from 0; how far p is from it, unless that is NULL.
+double ifc_along(const Curve *curve, Vec3 p, double *far);
 // Appends a point, unless it is the last one once more.
 void ifc_curve_push(Reader *r, Curve *curve, Vec3 point);
 int ifc_chords(const Reader *r, double radius, double angle);  // for an arc of this angle
 // A B-spline curve (spline.c).
 bool ifc_spline_curve(Reader *r, int record, const double *trim, Curve *out);
+
+// A span of a B-spline surface between two knots, in one direction.
+typedef struct SplineSpan {
+    double low, high;  // in 0 .. 1
+    double parts;      // to be cut into at least
+} SplineSpan;
+// A B-spline surface, rational or not (spline.c). Both parameters run from 0 to 1; where it is closed they go around.
+typedef struct SplineSurface {
+    Vec3 *points;         // [count[0] * count[1]] the net, row by row
+    double *weights;      // of each point
+    double *knots[2];     // [count[d] + degree[d] + 1]
+    SplineSpan *span[2];  // [spans[d]]
+    Vec3 *seed;           // [seeds[0] * seeds[1]] points from which parameters are looked for
+    int degree[2], count[2], spans[2], seeds[2];
+    bool closed[2];
+    Vec3 pole[4];  // where v is 0, v is 1, u is 0, u is 1: the point that this edge is
+    bool is_pole[4];
+} SplineSurface;
+// `points` is how many will be looked for on the surface, which counts as work.
+bool ifc_spline_surface(Reader *r, int record, int points, SplineSurface *out);
+Vec3 ifc_spline_point(const SplineSurface *s, Vec2 at);
+// The edge that is a pole at point p, an index of `pole`; -1.
+int ifc_spline_pole(const SplineSurface *s, Vec3 p);
+// The parameters of the surface's point nearest to p.
+Vec2 ifc_spline_nearest(const SplineSurface *s, Vec3 p);
 
 // A profile: rings of points in its plane. Area i begins with an outer ring, counter-clockwise; its holes, clockwise, follow.
 typedef struct Profile {
@@ -172,7 +199,7 @@ void ifc_item(Reader *r, int record, const Frame *frame, int material, Body *out
 void ifc_representation(Reader *r, int record, const Frame *frame, int material, Body *out);
 // The material of an item by its style, or -1.
 int ifc_style_of(const Reader *r, int record);
-void ifc_count_polygons(Reader *r, const Shape *shape);
+void ifc_count_polygons(Reader *r, int count);
 bool ifc_too_many(const Reader *r);
 // Enters an item, a profile or a curve that may contain others; false where there are too many within each other, which is noted.
 // Every call that returns true wants an ifc_leave.

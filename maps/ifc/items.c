@@ -191,7 +191,7 @@ static bool one_solid(Reader *r, int record, Shape *out, Prism *prism) {
     }
     ifc_leave(r);
     // Items are counted when they are put together: here count operands, which stand within others.
-    if (r->depth > 1) ifc_count_polygons(r, out);
+    if (r->depth > 1) ifc_count_polygons(r, out->face_count);
     give_look(out, ifc_style_of(r, record));
     return good;
 }
@@ -221,7 +221,7 @@ static bool is_drawing(int type) {
 static void map_item(Reader *r, const Item *item, const Frame *frame, int material, Body *out) {
     Item *to = ARENA_PUSH(&r->scratch, out->items, out->count, out->room);
     *to = *item;
-    ifc_count_polygons(r, &item->shape);
+    ifc_count_polygons(r, item->shape.face_count);
     if (frame) {
         to->shape = shape_empty(item->shape.solid);
         shape_append_mapped(&r->scratch, &to->shape, &item->shape, frame);

@@ -40,6 +40,15 @@ void shape_append(Arena *arena, Shape *to, const Shape *from);
 // The same, turned inside out.
 void shape_flip(Shape *shape);
 double shape_volume(const Shape *shape);
+// An edge of the outline of a group of faces, along which the group's normals have it.
+typedef struct ShapeEdge {
+    Vec3 from, to;
+    int group;
+} ShapeEdge;
+// Turns groups of faces so that neighbours agree about their sides (orient.c). Group g begins with face first[g] and ends before the next
+// one; whether the body as a whole is inside out is left.
+void shape_orient(Arena *arena, Shape *shape, const int *first, int group_count, const ShapeEdge *outline,
+                  int outline_count);
 
 // The map p -> x * p.x + y * p.y + z * p.z + o.
 typedef struct Frame {

@@ -83,8 +83,8 @@ void ifc_note(Reader *r, int record, const char *format, ...) {
 
 // ---- bounds and looks
 
-void ifc_count_polygons(Reader *r, const Shape *shape) {
-    __atomic_fetch_add(r->file->polygons, shape->face_count + 1, __ATOMIC_RELAXED);
+void ifc_count_polygons(Reader *r, int count) {
+    __atomic_fetch_add(r->file->polygons, count + 1ll, __ATOMIC_RELAXED);
 }
 
 bool ifc_too_many(const Reader *r) {

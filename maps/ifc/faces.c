@@ -77,24 +77,29 @@ static void put_first(Reader *r, FaceRings *f, int ring) {
     *f = out;
 }
 
-static bool face_rings(Reader *r, const StepValue *bounds, FaceRings *out) {
+// The rings of a face, its outline first: the bound that is told as such. On a plane a larger bound is the outline all the same: holes
+// lie within it, and some files tell a hole as the outline of what surrounds it.
+static bool face_rings(Reader *r, const StepValue *bounds, bool flat, FaceRings *out) {
     StepCursor c = ifc_list(r, bounds);
     int outer = -1, largest = 0;
-    double most = -1;
+    double most = -1, outer_area = 0;
     for (StepValue b = step_next(&c); b.kind != STEP_END; b = step_next(&c)) {
         StepValue v[2];
         Curve ring = {0};
         if (!ifc_arguments(r, b.record, v, 2) || !loop_points(r, v[0].record, &ring)) return false;
         if (ring.count < 3) continue;
-        if (ifc_type(r, b.record) == T_FACEOUTERBOUND && outer < 0) outer = out->ring_count;
         double area = polygon_area(ring.points, ring.count);
+        if (ifc_type(r, b.record) == T_FACEOUTERBOUND && outer < 0) {
+            outer = out->ring_count;
+            outer_area = area;
+        }
         if (area > most) {
             most = area;
             largest = out->ring_count;
         }
         push_ring(r, out, &ring, ifc_is(r, &v[1], "F"));
     }
-    put_first(r, out, outer >= 0 ? outer : largest);
+    put_first(r, out, outer < 0 || (flat && most > outer_area) ? largest : outer);
     return true;
 }
 
@@ -128,10 +133,10 @@ static void brep_face(Reader *r, int record, Shell *shell, Shape *out) {
         ifc_note(r, record, "is no face that is read");
         return;
     }
-    if (!face_rings(r, &v[0], &f)) return;
-    if (type != T_FACE) push_edges(r, &f, shell);
     bool same = !ifc_is(r, &v[2], "F"),
          curved = type != T_FACE && v[1].record >= 0 && ifc_type(r, v[1].record) != T_PLANE;
+    if (!face_rings(r, &v[0], !curved, &f)) return;
+    if (type != T_FACE) push_edges(r, &f, shell);
     if (!curved) {
         add_rings(r, record, &f, out);
     } else if (!ifc_curved_face(r, v[1].record, &f, same, out)) {
@@ -335,6 +340,19 @@ static bool triangulated(Reader *r, int record, const StepValue *triangles, Face
     return out->face_count > 0;
 }
 
+// Does a surface of which the file does not say so enclose a body? The areas of its faces, as vectors, have the sum 0 then.
+static bool is_closed(const Shape *shape) {
+    Vec3 sum = {0, 0, 0};
+    double area = 0;
+    for (int i = 0; i < shape->face_count; i++) {
+        const ShapeFace *f = &shape->faces[i];
+        double own = polygon_area(shape->corners + f->first, f->count);
+        sum = vec3_add(sum, vec3_scale(f->plane.n, own));
+        area += own;
+    }
+    return vec3_length(sum) <= 1e-6 * area;
+}
+
 bool ifc_face_set(Reader *r, int record, Shape *out) {
     StepValue v[5];
     FaceSet set = {0};
@@ -347,7 +365,8 @@ bool ifc_face_set(Reader *r, int record, Shape *out) {
     const StepValue *closed = &v[polygons ? 1 : 2], *faces = &v[polygons ? 2 : 3], *pn = &v[polygons ? 3 : 4];
     if (pn->kind == STEP_LIST && type != T_TRIANGULATEDIRREGULARNETWORK) read_pn(r, pn, &set);
     bool good = polygons ? polygonal(r, faces, &set, out) : triangulated(r, record, faces, &set, out);
-    out->solid = !ifc_is(r, closed, "F") && type != T_TRIANGULATEDIRREGULARNETWORK;
+    bool told = closed->kind == STEP_ENUM;
+    out->solid = type != T_TRIANGULATEDIRREGULARNETWORK && (told ? !ifc_is(r, closed, "F") : is_closed(out));
     if (out->solid && shape_volume(out) < 0) shape_flip(out);
     return good;
 }

@@ -57,15 +57,6 @@ static void join(Group *groups, int a, int b, bool turned) {
     groups[b].polygons += groups[a].polygons;
 }
 
-static void flip_face(Shape *shape, ShapeFace *f) {
-    f->plane = (Plane){vec3_scale(f->plane.n, -1), -f->plane.d};
-    for (int k = 1; k <= (f->count - 1) / 2; k++) {
-        Vec3 *a = &shape->corners[f->first + k], *b = &shape->corners[f->first + f->count - k], keep = *a;
-        *a = *b;
-        *b = keep;
-    }
-}
-
 static Edge edge_of(Vec3 from, Vec3 to, int group) {
     uint64_t a = place_key(from), b = place_key(to);
     return (Edge){(a < b ? a : b) * 31 + (a < b ? b : a), group, a < b};
@@ -111,8 +102,7 @@ void shape_orient(Arena *arena, Shape *shape, const int *first, int group_count,
             int root = root_of(groups, g, &against),
                 end = g + 1 < group_count ? first[g + 1] : shape->face_count;
             if (pass == 0) turned[root] += against ? end - first[g] : first[g] - end;
-            if (pass == 1 && against == (turned[root] <= 0))
-                for (int i = first[g]; i < end; i++) flip_face(shape, &shape->faces[i]);
+            if (pass == 1 && against == (turned[root] <= 0)) shape_flip_faces(shape, first[g], end);
         }
     }
 }

@@ -34,7 +34,13 @@ bool shape_add_rings(Arena *arena, Shape *shape, const Vec3 *corners, const int 
     Plane plane = plane_of_polygon(corners, size[0]);
     if (vec3_length(plane.n) == 0 || polygon_area(corners, size[0]) < SHAPE_SMALLEST_AREA) return true;
     if (ring_count == 1 && (size[0] == 3 || polygon_is_convex(corners, size[0], plane.n))) {
-        shape_add_in_plane(arena, shape, corners, size[0], material, plane);
+        // A bent polygon has a plane of its own for each triangle.
+        if (size[0] > 3 && polygon_bend(corners, size[0], plane) > SHAPE_EPSILON) {
+            for (int k = 1; k + 1 < size[0]; k++)
+                shape_add(arena, shape, (Vec3[3]){corners[0], corners[k], corners[k + 1]}, 3, material);
+        } else {
+            shape_add_in_plane(arena, shape, corners, size[0], material, plane);
+        }
         return true;
     }
     int total = 0;
@@ -86,18 +92,19 @@ void shape_append(Arena *arena, Shape *to, const Shape *from) {
     }
 }
 
-void shape_flip(Shape *shape) {
-    for (int i = 0; i < shape->face_count; i++) {
+void shape_flip_faces(Shape *shape, int first, int end) {
+    for (int i = first; i < end; i++) {
         ShapeFace *f = &shape->faces[i];
         f->plane = (Plane){vec3_scale(f->plane.n, -1), -f->plane.d};
-        for (int k = 0; k < f->count / 2; k++) {
-            Vec3 *a = &shape->corners[f->first + k], *b = &shape->corners[f->first + f->count - 1 - k],
-                 keep = *a;
+        for (int k = 1; k <= (f->count - 1) / 2; k++) {
+            Vec3 *a = &shape->corners[f->first + k], *b = &shape->corners[f->first + f->count - k], keep = *a;
             *a = *b;
             *b = keep;
         }
     }
 }
+
+void shape_flip(Shape *shape) { shape_flip_faces(shape, 0, shape->face_count); }
 
 double shape_volume(const Shape *shape) {
     double six = 0;
@@ -135,7 +142,7 @@ void shape_append_mapped(Arena *arena, Shape *to, const Shape *from, const Frame
         const ShapeFace *f = &from->faces[i];
         int first = to->corner_count;
         for (int k = 0; k < f->count; k++) {
-            Vec3 p = frame_point(frame, from->corners[f->first + (volume < 0 ? f->count - 1 - k : k)]);
+            Vec3 p = frame_point(frame, from->corners[f->first + (volume < 0 && k > 0 ? f->count - k : k)]);
             to->corners[to->corner_count++] = p;
             to->box = box_add(to->box, p);
         }

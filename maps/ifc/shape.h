@@ -37,8 +37,9 @@ void shape_add_in_plane(Arena *arena, Shape *shape, const Vec3 *corners, int cou
 bool shape_add_rings(Arena *arena, Shape *shape, const Vec3 *corners, const int *size, int ring_count,
                      int material);
 void shape_append(Arena *arena, Shape *to, const Shape *from);
-// The same, turned inside out.
+// The same, turned inside out; each face, and each of some faces, keeps its first corner.
 void shape_flip(Shape *shape);
+void shape_flip_faces(Shape *shape, int first, int end);
 double shape_volume(const Shape *shape);
 // An edge of the outline of a group of faces, along which the group's normals have it.
 typedef struct ShapeEdge {

@@ -309,6 +309,38 @@ Test(ifc, faces) {
     arena_free(&arena);
 }
 
+// The larger bound of a face is its outline, though the file tells the hole as such. A set of faces that is not told to be closed keeps
+// its sides where it is open; a bent quad is two triangles that meet at its first corner.
+Test(ifc, outlines_and_sides) {
+    Arena arena = {0};
+    IfcMesh mesh = ifc_mesh(
+        &arena,
+        "#100=IFCFACEBASEDSURFACEMODEL((#101));#101=IFCCONNECTEDFACESET((#102));#102=IFCFACE((#103,#104));"
+        "#103=IFCFACEOUTERBOUND(#105,.T.);#104=IFCFACEBOUND(#106,.T.);"
+        "#105=IFCPOLYLOOP((#111,#112,#113,#114));#106=IFCPOLYLOOP((#115,#116,#117,#118));"
+        "#111=IFCCARTESIANPOINT((1.,1.,0.));#112=IFCCARTESIANPOINT((1.,2.,0.));"
+        "#113=IFCCARTESIANPOINT((2.,2.,0.));#114=IFCCARTESIANPOINT((2.,1.,0.));"
+        "#115=IFCCARTESIANPOINT((0.,0.,0.));#116=IFCCARTESIANPOINT((3.,0.,0.));"
+        "#117=IFCCARTESIANPOINT((3.,3.,0.));#118=IFCCARTESIANPOINT((0.,3.,0.));");
+    cr_expect_float_eq(ifc_area(&mesh), 8, 1e-9);
+    for (int i = 0; i < mesh.polygon_count; i++)
+        cr_expect_gt(
+            plane_of_polygon(mesh.corners + mesh.polygons[i].first_corner, mesh.polygons[i].corner_count).n.z,
+            0);
+    // Seen from the origin its volume is negative.
+    mesh =
+        ifc_mesh(&arena, "#100=IFCPOLYGONALFACESET(#101,$,(#102),$);#102=IFCINDEXEDPOLYGONALFACE((1,2,3,4));"
+                         "#101=IFCCARTESIANPOINTLIST3D(((0.,0.,-1.),(1.,0.,-1.),(1.,1.,-1.5),(0.,1.,-1.)));");
+    cr_assert_eq(mesh.polygon_count, 2);
+    for (int i = 0; i < 2; i++) {
+        const Vec3 *c = mesh.corners + mesh.polygons[i].first_corner;
+        cr_expect_eq(mesh.polygons[i].corner_count, 3);
+        cr_expect_gt(plane_of_polygon(c, 3).n.z, 0);
+        cr_expect(vec3_equal(c[0], vec3(0, 0, -1)));
+    }
+    arena_free(&arena);
+}
+
 #define CIRCLES                                                                                              \
     "#110=IFCVERTEXPOINT(#111);#111=IFCCARTESIANPOINT((1.,0.,0.));#112=IFCVERTEXPOINT(#113);#113="           \
     "IFCCARTESIANPOINT((1.,0.,3.));"                                                                         \

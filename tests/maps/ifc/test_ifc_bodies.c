@@ -327,16 +327,17 @@ Test(ifc, outlines_and_sides) {
         cr_expect_gt(
             plane_of_polygon(mesh.corners + mesh.polygons[i].first_corner, mesh.polygons[i].corner_count).n.z,
             0);
-    // Seen from the origin its volume is negative.
-    mesh =
-        ifc_mesh(&arena, "#100=IFCPOLYGONALFACESET(#101,$,(#102),$);#102=IFCINDEXEDPOLYGONALFACE((1,2,3,4));"
-                         "#101=IFCCARTESIANPOINTLIST3D(((0.,0.,-1.),(1.,0.,-1.),(1.,1.,-1.5),(0.,1.,-1.)));");
-    cr_assert_eq(mesh.polygon_count, 2);
-    for (int i = 0; i < 2; i++) {
+    // Seen from the first corner the volume is negative.
+    mesh = ifc_mesh(&arena, "#100=IFCPOLYGONALFACESET(#101,$,(#102,#103),$);"
+                            "#102=IFCINDEXEDPOLYGONALFACE((1,2,3,4));#103=IFCINDEXEDPOLYGONALFACE((5,6,7));"
+                            "#101=IFCCARTESIANPOINTLIST3D(((0.,0.,0.),(1.,0.,0.),(1.,1.,-0.5),(0.,1.,0.),"
+                            "(0.,0.,-2.),(1.,0.,-2.),(0.,1.,-2.)));");
+    cr_assert_eq(mesh.polygon_count, 3);
+    for (int i = 0; i < 3; i++) {
         const Vec3 *c = mesh.corners + mesh.polygons[i].first_corner;
         cr_expect_eq(mesh.polygons[i].corner_count, 3);
         cr_expect_gt(plane_of_polygon(c, 3).n.z, 0);
-        cr_expect(vec3_equal(c[0], vec3(0, 0, -1)));
+        cr_expect(vec3_equal(c[0], vec3(0, 0, i < 2 ? 0 : -2)));
     }
     arena_free(&arena);
 }

@@ -177,6 +177,9 @@ bool ifc_brep(Reader *r, int record, Shape *out) {
     if (brep) {
         add_shell(r, v[0].record, out);
         if (shape_volume(out) < 0) shape_flip(out);
+    } else if (type == T_FACE || type == T_FACESURFACE || type == T_ADVANCEDFACE) {
+        int first = 0;
+        brep_face(r, record, &(Shell){.first = &first, .count = 1}, out);
     } else if (type == T_CLOSEDSHELL || type == T_OPENSHELL || type == T_CONNECTEDFACESET) {
         add_shell(r, record, out);
         if (type == T_CLOSEDSHELL && shape_volume(out) < 0) shape_flip(out);

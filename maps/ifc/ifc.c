@@ -79,14 +79,20 @@ static int body_rank(const Reader *r, const StepValue *identifier, const StepVal
 static void read_body(Reader *r, int record, Body *out) {
     StepValue v[7], list[3], s[4];
     ifc_arguments(r, record, v, 7);
-    if (ifc_type(r, v[6].record) != T_PRODUCTDEFINITIONSHAPE || !ifc_arguments(r, v[6].record, list, 3))
+    int shape = ifc_type(r, v[6].record);
+    if ((shape != T_PRODUCTDEFINITIONSHAPE && shape != T_PRODUCTREPRESENTATION) ||
+        !ifc_arguments(r, v[6].record, list, 3))
         return;
     for (int rank = 2; rank > 0 && out->count == 0; rank--) {
         StepCursor c = ifc_list(r, &list[2]);
         for (StepValue rep = step_next(&c); rep.kind != STEP_END; rep = step_next(&c)) {
-            if (ifc_type(r, rep.record) != T_SHAPEREPRESENTATION || !ifc_arguments(r, rep.record, s, 4))
+            int type = ifc_type(r, rep.record);
+            if ((type != T_SHAPEREPRESENTATION && type != T_TOPOLOGYREPRESENTATION) ||
+                !ifc_arguments(r, rep.record, s, 4))
                 continue;
-            if (body_rank(r, &s[1], &s[2]) == rank) ifc_representation(r, rep.record, NULL, -1, out);
+            // Faces of members for structural analysis stand for bodies.
+            int own = type == T_TOPOLOGYREPRESENTATION ? 1 : body_rank(r, &s[1], &s[2]);
+            if (own == rank) ifc_representation(r, rep.record, NULL, -1, out);
             // One form of a body that has several is enough.
             if (rank == 1 && out->count > 0) break;
         }

@@ -32,7 +32,8 @@ typedef enum IfcKind {
     IFC_MEMBER,
     IFC_PLATE,
     IFC_LIGHT,
-    IFC_SITE,  // the ground
+    IFC_SITE,     // the ground, roads and bridges
+    IFC_UNBUILT,  // members of the model for structural analysis, zones, referents: no part of the building
     IFC_KINDS
 } IfcKind;
 

@@ -61,6 +61,11 @@ static void add_notes(IfcPlan *p) {
     building_note_tally(
         p->arena, p->b, p->path, &p->low_doors,
         "doors or windows stand in walls that do not bound rooms: they are seen, and stay shut");
+    for (int i = 0; i < m->product_count; i++)
+        if (m->products[i].kind == IFC_UNBUILT)
+            building_tally(&p->unbuilt, ifc_place(p, i), m->products[i].place);
+    building_note_tally(p->arena, p->b, p->path, &p->unbuilt,
+                        "members for structural analysis, zones or referents are no part of the building");
     building_note_tally(p->arena, p->b, p->path, &p->too_many,
                         "products would make more than 4000000 polygons: left out");
 }
@@ -70,7 +75,7 @@ static bool read_polygons(IfcPlan *p, Error *error) {
     SoupReader reader = {.path = p->path, .arena = p->arena, .b = p->b};
     for (int i = 0; i < p->model->product_count; i++) {
         const IfcProduct *it = &p->model->products[i];
-        if (it->kind == IFC_OPENING || it->kind == IFC_SPACE) continue;
+        if (it->kind == IFC_OPENING || it->kind == IFC_SPACE || it->kind == IFC_UNBUILT) continue;
         ifc_add_mesh(p, &it->mesh, it->kind == IFC_STAIR ? OBJECT_STAIR : OBJECT_FURNITURE, ifc_name(p, i),
                      p->thing_material);
     }

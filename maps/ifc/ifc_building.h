@@ -50,7 +50,7 @@ typedef struct IfcPlan {
     int *material;            // [model->material_count] of the building, -1: not yet
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
-    NoteTally no_body, recesses, small_holes, roof_windows, low_doors, too_many;
+    NoteTally no_body, recesses, small_holes, roof_windows, low_doors, too_many, unbuilt;
 } IfcPlan;
 
 // ---- ifc_building_looks.c

@@ -16,7 +16,7 @@ const char *ifc_name(const IfcPlan *p, int product) {
 
 const char *ifc_place(const IfcPlan *p, int product) {
     const IfcProduct *it = &p->model->products[product];
-    const char *kind = it->kind == IFC_OTHER ? it->type : ifc_kind_name(it->kind),
+    const char *kind = it->kind == IFC_OTHER || it->kind == IFC_UNBUILT ? it->type : ifc_kind_name(it->kind),
                *name = ifc_name(p, product);
     return *name ? arena_format(p->arena, "#%d %s `%.80s`", it->entity, kind, name)
                  : arena_format(p->arena, "#%d %s", it->entity, kind);

@@ -239,6 +239,7 @@ static void add_product(IfcPlan *p, int product) {
     case IFC_WINDOW:
     case IFC_SITE:
     case IFC_CURTAIN_WALL:
+    case IFC_UNBUILT:
     case IFC_KINDS:
         return;
     case IFC_WALL:

@@ -159,6 +159,9 @@ static bool one_solid(Reader *r, int record, Shape *out, Prism *prism) {
     case T_ADVANCEDBREP:
     case T_ADVANCEDBREPWITHVOIDS:
     case T_CLOSEDSHELL:
+    case T_FACE:
+    case T_FACESURFACE:
+    case T_ADVANCEDFACE:
     case T_OPENSHELL:
     case T_CONNECTEDFACESET:
     case T_FACEBASEDSURFACEMODEL:
@@ -211,6 +214,9 @@ static bool is_drawing(int type) {
     case T_GEOMETRICCURVESET:
     case T_CARTESIANPOINT:
     case T_BOUNDINGBOX:
+    case T_EDGE:
+    case T_EDGECURVE:
+    case T_VERTEXPOINT:
         return true;
     default:
         return false;
@@ -272,7 +278,10 @@ void ifc_item(Reader *r, int record, const Frame *frame, int material, Body *out
 
 void ifc_representation(Reader *r, int record, const Frame *frame, int material, Body *out) {
     StepValue v[4];
-    if (ifc_type(r, record) != T_SHAPEREPRESENTATION || !ifc_arguments(r, record, v, 4)) return;
+    int type = ifc_type(r, record);
+    if ((type != T_SHAPEREPRESENTATION && type != T_TOPOLOGYREPRESENTATION) ||
+        !ifc_arguments(r, record, v, 4))
+        return;
     StepCursor c = ifc_list(r, &v[3]);
     for (StepValue i = step_next(&c); i.kind != STEP_END; i = step_next(&c))
         ifc_item(r, i.record, frame, material, out);

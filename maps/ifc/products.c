@@ -7,7 +7,7 @@
 static const char *const KIND_NAMES[IFC_KINDS] = {
     "product",      "space",   "wall",   "slab",  "door",          "window",     "opening",
     "stair",        "ramp",    "column", "beam",  "covering",      "furnishing", "roof",
-    "curtain wall", "railing", "member", "plate", "light fixture", "site"};
+    "curtain wall", "railing", "member", "plate", "light fixture", "site",       "unbuilt"};
 
 const char *ifc_kind_name(IfcKind kind) { return KIND_NAMES[kind]; }
 
@@ -70,7 +70,22 @@ static IfcKind product_kind(int type) {
     case T_LAMP:
         return IFC_LIGHT;
     case T_SITE:
+    case T_FACILITY:
+    case T_FACILITYPART:
+    case T_ROAD:
+    case T_ROADPART:
+    case T_BRIDGE:
+    case T_BRIDGEPART:
+    case T_RAILWAY:
+    case T_RAILWAYPART:
         return IFC_SITE;
+    case T_SPATIALZONE:
+    case T_REFERENT:
+    case T_STRUCTURALCURVEMEMBER:
+    case T_STRUCTURALCURVEMEMBERVARYING:
+    case T_STRUCTURALSURFACEMEMBER:
+    case T_STRUCTURALSURFACEMEMBERVARYING:
+        return IFC_UNBUILT;
     default:
         return IFC_OTHER;
     }
@@ -104,7 +119,7 @@ static void push_many(Reader *r, Arena *arena, Pairs *pairs, int one, const Step
 void ifc_read_relations(Reader *r, Arena *arena, Relations *out) {
     const StepFile *step = &r->file->step;
     StepValue v[6];
-    int storeys = 0, products = 0, room = 0, members = 0, first_member = -1;
+    int storeys = 0, products = 0, room = 0;
     for (int i = 0; i < step->record_count; i++) {
         int type = step->type[i];
         switch (type) {
@@ -136,21 +151,12 @@ void ifc_read_relations(Reader *r, Arena *arena, Relations *out) {
         case T_BUILDINGSTOREY:
             push_pair(arena, &out->storeys, i, storeys++);
             break;
-        case T_STRUCTURALCURVEMEMBER:
-        case T_STRUCTURALCURVEMEMBERVARYING:
-        case T_STRUCTURALSURFACEMEMBER:
-        case T_STRUCTURALSURFACEMEMBERVARYING:
-            if (members++ == 0) first_member = i;
-            break;
         default:
             if (!is_product(type)) break;
             push_pair(arena, &out->products, i, products);
             *ARENA_PUSH(arena, out->record, products, room) = i;
         }
     }
-    if (members > 0)
-        ifc_note(r, first_member, "and %d others are members of the model for structural analysis: left out",
-                 members - 1);
     Pairs *all[] = {&out->parts, &out->inside, &out->openings, &out->fills, &out->types, &out->materials};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ifc_sort(all[i]);
 }

@@ -228,10 +228,14 @@ Frame ifc_placement(Reader *r, int record) {
             depth += placed->depth;
             break;
         }
-        StepValue parent;
-        whole = ifc_type(r, at) == T_LOCALPLACEMENT;
+        StepValue parent, v[3];
+        // A place along an alignment may be told as axes too, as the third argument.
+        whole = ifc_type(r, at) == T_LOCALPLACEMENT ||
+                (ifc_type(r, at) == T_LINEARPLACEMENT && ifc_arguments(r, at, v, 3) && v[2].record >= 0);
         if (!whole) {
-            ifc_note(r, at, "is no placement that is read (allowed: IFCLOCALPLACEMENT)");
+            ifc_note(r, at,
+                     "is no placement that is read (allowed: IFCLOCALPLACEMENT, and IFCLINEARPLACEMENT with "
+                     "axes)");
             break;
         }
         if (++depth > IFC_DEEPEST) break;
@@ -246,10 +250,10 @@ Frame ifc_placement(Reader *r, int record) {
     }
     depth -= count;
     while (count > 0) {
-        StepValue a[2];
+        StepValue a[3];
         at = chain[--count];
-        ifc_arguments(r, at, a, 2);
-        Frame own = ifc_axes(r, a[1].record);
+        ifc_arguments(r, at, a, 3);
+        Frame own = ifc_axes(r, a[ifc_type(r, at) == T_LINEARPLACEMENT ? 2 : 1].record);
         out = frame_join(&out, &own);
         // A chain that could not be read is noted for each product anew.
         if (whole) r->placed[at % IFC_PLACED] = (Placed){at, ++depth, out};

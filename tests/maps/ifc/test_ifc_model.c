@@ -65,8 +65,8 @@ Test(ifc, relations) {
     arena_free(&arena);
 }
 
-// An opening of a wall is cut out of the layers that are parts of the wall, and out of their parts. Proxies are products. Members of the
-// model for structural analysis are none: one note counts them.
+// An opening of a wall is cut out of the layers that are parts of the wall, and out of their parts. Proxies are products, and so are members
+// of the model for structural analysis, whose face stands for a body: a building has no place for them.
 Test(ifc, parts_are_cut) {
     Arena arena = {0};
     IfcModel m;
@@ -80,20 +80,27 @@ Test(ifc, parts_are_cut) {
                 "#122=IFCSHAPEREPRESENTATION($,'Body','SweptSolid',(#123));"
                 "#123=IFCEXTRUDEDAREASOLID(#124,#11,#12,2.);#124=IFCRECTANGLEPROFILEDEF(.AREA.,$,#14,1.,0.4);"
                 "#125=IFCRELVOIDSELEMENT('f',$,$,$,#90,#120);"
-                "#130=IFCSTRUCTURALSURFACEMEMBER('g',$,'m',$,$,#20,#91,.SHELL.,0.2);"
-                "#131=IFCSTRUCTURALCURVEMEMBER('h',$,'n',$,$,#20,#91,.RIGID_JOINED_MEMBER.,#12);");
+                "#130=IFCSTRUCTURALSURFACEMEMBER('g',$,'m',$,$,#20,#132,.SHELL.,0.2);"
+                "#131=IFCSTRUCTURALCURVEMEMBER('h',$,'n',$,$,#20,#135,.RIGID_JOINED_MEMBER.,#12);"
+                "#132=IFCPRODUCTREPRESENTATION($,$,(#133));#133=IFCTOPOLOGYREPRESENTATION($,'Reference','"
+                "Face',(#134));"
+                "#134=IFCFACESURFACE((#136),#140,.T.);#135=IFCPRODUCTDEFINITIONSHAPE($,$,(#141));"
+                "#136=IFCFACEOUTERBOUND(#137,.T.);#137=IFCPOLYLOOP((#10,#138,#139));"
+                "#138=IFCCARTESIANPOINT((2.,0.,0.));#139=IFCCARTESIANPOINT((0.,3.,0.));#140=IFCPLANE(#11);"
+                "#141=IFCTOPOLOGYREPRESENTATION($,'Reference','Edge',(#142));#142=IFCEDGE(#143,#144);"
+                "#143=IFCVERTEXPOINT(#10);#144=IFCVERTEXPOINT(#138);");
     ifc_accept(&arena, text, 1, &m);
-    cr_assert_eq(m.product_count, 4);
+    cr_assert_eq(m.product_count, 6);
+    cr_expect_eq(product(&m, 130)->kind, IFC_UNBUILT);
+    cr_expect_float_eq(ifc_area(&product(&m, 130)->mesh), 3, 1e-9);
+    cr_expect_eq(product(&m, 131)->mesh.polygon_count, 0);
     for (int i = 0; i < 3; i++) {
         static const int CUT[] = {90, 110, 111};
         const IfcProduct *p = product(&m, CUT[i]);
         cr_expect_float_eq(ifc_volume(&p->whole_mesh), 4 * 0.2 * 3, 1e-9, "#%d", CUT[i]);
         cr_expect_float_eq(ifc_volume(&p->mesh), 4 * 0.2 * 3 - 0.2 * 2, 1e-9, "#%d", CUT[i]);
     }
-    cr_assert_eq(m.note_count, 1);
-    cr_expect_str_eq(m.notes[0].text,
-                     "#130 IFCSTRUCTURALSURFACEMEMBER and 1 others are members of the model for "
-                     "structural analysis: left out");
+    cr_expect_eq(m.note_count, 0);
     arena_free(&arena);
 }
 

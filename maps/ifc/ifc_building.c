@@ -101,6 +101,11 @@ static bool make_building(IfcPlan *p, Error *error) {
     if (!ifc_plan_storeys(p, error)) return false;
     ifc_plan_walls(p);
     ifc_plan_rooms(p);
+    // Walls that are not upright, as those of a bridge, bound nothing either.
+    if (p->sketch.wall_count + p->sketch.room_count == 0) {
+        p->b->storey_count = 0;
+        return read_polygons(p, error);
+    }
     ifc_plan_openings(p);
     ifc_plan_floors(p);
     ifc_add_objects(p);

@@ -65,8 +65,8 @@ Test(ifc, relations) {
     arena_free(&arena);
 }
 
-// An opening of a wall is cut out of the layers that are parts of the wall, and out of their parts. Proxies are products, and so are members
-// of the model for structural analysis, whose face stands for a body: a building has no place for them.
+// An opening of a wall is cut out of the layers that are parts of the wall, and out of their parts. Proxies are products, and so are
+// members of the model for structural analysis, whose face stands for a body: a building has no place for them.
 Test(ifc, parts_are_cut) {
     Arena arena = {0};
     IfcModel m;

@@ -353,7 +353,7 @@ static bool is_closed(const Shape *shape) {
         sum = vec3_add(sum, vec3_scale(f->plane.n, own));
         area += own;
     }
-    return vec3_length(sum) <= 1e-6 * area;
+    return vec3_length(sum) <= 1e-3 * area;
 }
 
 bool ifc_face_set(Reader *r, int record, Shape *out) {
@@ -369,6 +369,12 @@ bool ifc_face_set(Reader *r, int record, Shape *out) {
     if (pn->kind == STEP_LIST && type != T_TRIANGULATEDIRREGULARNETWORK) read_pn(r, pn, &set);
     bool good = polygons ? polygonal(r, faces, &set, out) : triangulated(r, record, faces, &set, out);
     bool told = closed->kind == STEP_ENUM;
+    // Faces that should enclose a body and do not may just have contradictory sides.
+    if (type != T_TRIANGULATEDIRREGULARNETWORK && !(told && ifc_is(r, closed, "F")) && !is_closed(out)) {
+        int *first = ARENA_ARRAY(&r->scratch, int, out->face_count + 1);
+        for (int i = 0; i < out->face_count; i++) first[i] = i;
+        shape_orient(&r->scratch, out, first, out->face_count, NULL, 0);
+    }
     out->solid = type != T_TRIANGULATEDIRREGULARNETWORK && (told ? !ifc_is(r, closed, "F") : is_closed(out));
     if (out->solid && shape_volume(out) < 0) shape_flip(out);
     return good;

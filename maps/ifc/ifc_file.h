@@ -134,6 +134,8 @@ bool ifc_curve_between(Reader *r, int record, double from, double to, Curve *out
 bool ifc_edge(Reader *r, int record, Vec3 start, Vec3 end, bool same_sense, Curve *out);
 // The place of the point of an open curve nearest to p, in points from 0; how far p is from it, unless that is NULL.
 double ifc_along(const Curve *curve, Vec3 p, double *far);
+// The simple loops of a closed curve that touches itself, in the directions that it has (loops.c); 0 where it does not.
+int ifc_loops(Reader *r, const Curve *ring, Curve **out);
 // Appends a point, unless it is the last one once more.
 void ifc_curve_push(Reader *r, Curve *curve, Vec3 point);
 int ifc_chords(const Reader *r, double radius, double angle);  // for an arc of this angle

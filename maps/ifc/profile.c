@@ -1,5 +1,6 @@
 // profile.c - profiles as rings of points in their plane (ISO 16739, IfcProfileResource). Shapes of steel are polygons whose corners have
 // a radius each: fillets inside, edge radii outside.
+#include "engine/core/polygon.h"
 #include "maps/ifc/ifc_file.h"
 
 // A corner of a polygon that is rounded by a radius.
@@ -60,6 +61,56 @@ static void push_corner(Reader *r, const Corner *c, int count, int at, Curve *ou
         double t = a + angle * i / chords;
         ifc_curve_push(r, out, vec3_add(centre, vec3(c[at].radius * cos(t), c[at].radius * sin(t), 0)));
     }
+}
+
+static double ring_area(const Curve *c) {
+    double twice = 0;
+    for (int i = 0; i < c->count; i++) {
+        Vec3 a = c->points[i], b = c->points[(i + 1) % c->count];
+        twice +=
+            (a.x - c->points[0].x) * (b.y - c->points[0].y) - (a.y - c->points[0].y) * (b.x - c->points[0].x);
+    }
+    return twice / 2;
+}
+
+// Does one loop lie within another? The middle of an edge tells: loops have no edge in common.
+static bool lies_within(Reader *r, const Curve *inner, const Curve *outer) {
+    Vec2 *ring = ARENA_ARRAY(&r->scratch, Vec2, outer->count);
+    for (int i = 0; i < outer->count; i++) ring[i] = vec2(outer->points[i].x, outer->points[i].y);
+    Vec3 middle = vec3_lerp(inner->points[0], inner->points[1], 0.5);
+    return ring_contains(ring, outer->count, vec2(middle.x, middle.y));
+}
+
+// The loop of the largest area; -1: none.
+static int largest_loop(const Curve *loops, int count) {
+    int best = -1;
+    for (int i = 0; i < count; i++)
+        if (best < 0 || fabs(ring_area(&loops[i])) > fabs(ring_area(&loops[best]))) best = i;
+    return best;
+}
+
+// The outline of an area. One that runs along itself is several areas where it may be, with the holes that turn the other way.
+static void add_outline(Reader *r, Profile *p, const Curve *curve, bool several) {
+    Curve *loops;
+    int count = ifc_loops(r, curve, &loops), best = largest_loop(loops, count);
+    if (best < 0) {
+        add_ring(r, p, curve, true);
+        return;
+    }
+    bool turn = ring_area(&loops[best]) < 0;
+    for (int i = 0; i < count; i++) {
+        if ((ring_area(&loops[i]) < 0) != turn || (!several && i != best)) continue;
+        add_ring(r, p, &loops[i], true);
+        for (int k = 0; k < count; k++)
+            if ((ring_area(&loops[k]) < 0) != turn && lies_within(r, &loops[k], &loops[i]))
+                add_ring(r, p, &loops[k], false);
+    }
+}
+
+static void add_hole(Reader *r, Profile *p, const Curve *curve) {
+    Curve *loops;
+    int count = ifc_loops(r, curve, &loops), best = largest_loop(loops, count);
+    add_ring(r, p, best < 0 ? curve : &loops[best], false);
 }
 
 static void place_ring(const Frame *f, Curve *curve) {
@@ -242,7 +293,7 @@ static bool any_profile(Reader *r, int record, Profile *out) {
         Curve curve = {0};
         ifc_arguments(r, record, v, 4);
         if (!ifc_curve(r, v[2].record, &curve)) return false;
-        add_ring(r, out, &curve, true);
+        add_outline(r, out, &curve, type == T_ARBITRARYCLOSEDPROFILEDEF);
         if (out->ring_count == before) {
             ifc_note(r, record, "has no area");
             return false;
@@ -251,7 +302,7 @@ static bool any_profile(Reader *r, int record, Profile *out) {
         StepCursor c = ifc_list(r, &v[3]);
         for (StepValue h = step_next(&c); h.kind != STEP_END; h = step_next(&c)) {
             Curve hole = {0};
-            if (ifc_curve(r, h.record, &hole)) add_ring(r, out, &hole, false);
+            if (ifc_curve(r, h.record, &hole)) add_hole(r, out, &hole);
         }
         return true;
     }

@@ -148,6 +148,19 @@ Test(ifc, outlines) {
                "));"
                "#109=IFCCARTESIANPOINT((2.,0.));#110=IFCCARTESIANPOINT((0.,0.));"),
          4, 0},
+        // Outlines that run along themselves: two areas, an area with a hole, and a last edge that is told twice.
+        {CURVE(
+             "IFCINDEXEDPOLYCURVE(#103,$,.F.);#103=IFCCARTESIANPOINTLIST2D(((0.,1.),(2.,1.),(2.,0.),(0.,0.),"
+             "(0.,3.),(2.,3.),(2.,2.),(0.,2.),(0.,3.)));"),
+         8, 32},
+        {CURVE(
+             "IFCINDEXEDPOLYCURVE(#103,$,.F.);#103=IFCCARTESIANPOINTLIST2D(((0.,0.),(4.,0.),(4.,4.),(0.,4.),"
+             "(0.,0.),(1.,1.),(1.,3.),(3.,3.),(3.,1.),(1.,1.)));"),
+         24, 72},
+        {CURVE(
+             "IFCINDEXEDPOLYCURVE(#103,$,.F.);#103=IFCCARTESIANPOINTLIST2D(((0.,4.),(0.,0.),(4.,0.),(4.,4.),"
+             "(0.,4.),(0.,0.)));"),
+         32, 64},
     };
     check_all(cases, sizeof cases / sizeof *cases);
 }
@@ -278,6 +291,9 @@ Test(ifc, faces) {
                       TETRAHEDRON),
          1.0 / 6, third},
         {"#100=IFCTRIANGULATEDFACESET(#101,$,.T.,((1,2,3),(1,4,2),(2,4,3),(3,4,1)),$);"  // inside out
+         "#101=IFCCARTESIANPOINTLIST3D(((0.,0.,0.),(1.,0.,0.),(0.,1.,0.),(0.,0.,1.)));",
+         1.0 / 6, third},
+        {"#100=IFCTRIANGULATEDFACESET(#101,$,$,((1,2,3),(1,2,4),(2,4,3),(3,4,1)),$);"  // one side contradicts
          "#101=IFCCARTESIANPOINTLIST3D(((0.,0.,0.),(1.,0.,0.),(0.,1.,0.),(0.,0.,1.)));",
          1.0 / 6, third},
         {"#100=IFCTRIANGULATEDFACESET(#101,$,.T.,((2,4,3),(2,3,5),(3,4,5),(4,2,5)),(1,1,2,3,4));"

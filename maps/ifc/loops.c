@@ -22,7 +22,7 @@ static double place_on(Vec3 a, Vec3 b, Vec3 p) {
 }
 
 // The first point at the same place as each one, and whether the outline touches itself at all.
-static bool find_places(const Curve *ring, int *place) {
+static bool merge_points(const Curve *ring, int *place) {
     bool touches = false;
     for (int i = 0; i < ring->count; i++) {
         place[i] = i;
@@ -71,7 +71,7 @@ static int split_edges(Reader *r, const Curve *ring, const int *place, Way **out
 int ifc_loops(Reader *r, const Curve *ring, Curve **out) {
     int *place = ARENA_ARRAY(&r->scratch, int, ring->count + 1), count = 0, room = 0;
     Curve *loops = NULL;
-    if (ring->count > MOST_POINTS || !find_places(ring, place)) return 0;
+    if (ring->count > MOST_POINTS || !merge_points(ring, place)) return 0;
     Way *ways;
     int way_count = split_edges(r, ring, place, &ways);
     for (int i = 0; i < way_count; i++)

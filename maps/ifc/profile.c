@@ -63,7 +63,7 @@ static void push_corner(Reader *r, const Corner *c, int count, int at, Curve *ou
     }
 }
 
-static double ring_area(const Curve *c) {
+static double loop_area(const Curve *c) {
     double twice = 0;
     for (int i = 0; i < c->count; i++) {
         Vec3 a = c->points[i], b = c->points[(i + 1) % c->count];
@@ -85,7 +85,7 @@ static bool lies_within(Reader *r, const Curve *inner, const Curve *outer) {
 static int largest_loop(const Curve *loops, int count) {
     int best = -1;
     for (int i = 0; i < count; i++)
-        if (best < 0 || fabs(ring_area(&loops[i])) > fabs(ring_area(&loops[best]))) best = i;
+        if (best < 0 || fabs(loop_area(&loops[i])) > fabs(loop_area(&loops[best]))) best = i;
     return best;
 }
 
@@ -97,12 +97,12 @@ static void add_outline(Reader *r, Profile *p, const Curve *curve, bool several)
         add_ring(r, p, curve, true);
         return;
     }
-    bool turn = ring_area(&loops[best]) < 0;
+    bool turn = loop_area(&loops[best]) < 0;
     for (int i = 0; i < count; i++) {
-        if ((ring_area(&loops[i]) < 0) != turn || (!several && i != best)) continue;
+        if ((loop_area(&loops[i]) < 0) != turn || (!several && i != best)) continue;
         add_ring(r, p, &loops[i], true);
         for (int k = 0; k < count; k++)
-            if ((ring_area(&loops[k]) < 0) != turn && lies_within(r, &loops[k], &loops[i]))
+            if ((loop_area(&loops[k]) < 0) != turn && lies_within(r, &loops[k], &loops[i]))
                 add_ring(r, p, &loops[k], false);
     }
 }

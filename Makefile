@@ -141,6 +141,9 @@ build/maps/rooms-%.plan: build/generate
 build/maps/enfilade-%.plan build/maps/campus-%.plan build/maps/corridor-%.plan build/maps/atrium-%.plan build/maps/glass-%.plan: \
         build/generate
 	$(generate)
+build/maps/storeys-%.ifc: maps/buildings/storeys_ifc.py
+	@mkdir -p $(@D)
+	$< $* $@.new && mv $@.new $@
 build/maps/%: maps/buildings/%
 	@mkdir -p $(@D)
 	cp $< $@

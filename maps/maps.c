@@ -26,8 +26,6 @@ const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN,
                                           &MAPS_READER_FOREIGN,
                                           NULL};
 
-static const size_t MAX_FILE = (size_t)1 << 30;  // bytes: a home with all its models has some 100 MB at most
-
 // Whether `path` ends in one of the suffixes separated by blanks.
 static bool suffix_fits(const char *path, const char *suffixes) {
     size_t length = strlen(path);
@@ -67,7 +65,7 @@ bool maps_read(const char *path, Arena *arena, Building *out, Error *error) {
 bool maps_read_map(const char *path, const char *map, Arena *arena, Building *out, Error *error) {
     Bytes content;
     memset(out, 0, sizeof *out);
-    if (!file_read(path, MAX_FILE, arena, &content, error)) return false;
+    if (!file_read(path, MAPS_LARGEST_FILE, arena, &content, error)) return false;
     const MapsReader *reader = choose(path, content);
     if (!reader) return refuse_unknown(path, error);
     if (map && !reader->has_maps) {

@@ -4,6 +4,9 @@
 
 #include "maps/building/reader.h"
 
+// Bytes. A home with all its furniture has some 100 MB, a building model of a campus a gigabyte.
+enum { MAPS_LARGEST_FILE = INT32_MAX };
+
 extern const MapsReader *const MAPS_READERS[];  // ends with NULL
 
 // Reads a building with the reader that fits the file's suffix and content. On success the building passes

@@ -40,9 +40,10 @@ struct ArenaBlock {
 
 static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 
-static ArenaBlock *new_arena_block(size_t size) {
+static ArenaBlock *new_arena_block(size_t size, bool dense) {
     size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     char *whole = memory_new_zeroed(ALIGNMENT + HEADER + size);
+    if (dense) memory_expect_full(whole, ALIGNMENT + HEADER + size);
     ArenaBlock *block = (ArenaBlock *)(whole + (ALIGNMENT - (uintptr_t)whole % ALIGNMENT));
     *block = (ArenaBlock){.whole = whole, .size = size};
     forbid((char *)block + HEADER, size);
@@ -54,7 +55,7 @@ static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
     if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
     // Close to the memory limit, no block is much larger than needed.
     while (size / 2 > least && !memory_fits(size)) size /= 2;
-    ArenaBlock *block = new_arena_block(size < least ? least : size);
+    ArenaBlock *block = new_arena_block(size < least ? least : size, arena->dense);
     block->next = arena->head;
     return arena->head = block;
 }
@@ -62,7 +63,7 @@ static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
 // A block for one large piece stands behind the first one, which goes on to be filled.
 static ArenaBlock *add_own_block(Arena *arena, size_t bytes) {
     if (!arena->head) return add_arena_block(arena, bytes);
-    ArenaBlock *block = new_arena_block(bytes);
+    ArenaBlock *block = new_arena_block(bytes, arena->dense);
     block->next = arena->head->next;
     return arena->head->next = block;
 }
@@ -169,7 +170,7 @@ void arena_join(Arena *to, Arena *from) {
     while (*end) end = &(*end)->next;
     *end = from->head;
     to->used += from->used;
-    *from = (Arena){0};
+    *from = (Arena){.dense = from->dense};
 }
 
 void arena_free(Arena *arena) {

@@ -3,16 +3,19 @@
 #define CORE_ARENA_H
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
 // A block of an arena's memory.
 typedef struct ArenaBlock ArenaBlock;
 
-// Start with {0}. Only one thread at a time may allocate from an arena. arena_free frees everything that was allocated from it.
+// Start with {0}, or with {.dense = true} where large amounts are written as soon as they are allocated. Only one thread at a time may
+// allocate from an arena. arena_free frees everything that was allocated from it.
 typedef struct Arena {
     ArenaBlock *head;
     size_t used;  // bytes handed out, for reports
+    bool dense;   // its blocks are expected to be full (memory_expect_full)
 } Arena;
 
 // Returns zeroed memory, aligned to 64 bytes. Never returns NULL: lack of memory ends the program (memory.h).

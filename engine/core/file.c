@@ -64,6 +64,7 @@ static bool read_start(const char *path, size_t limit, size_t most, Arena *arena
         out->size = *whole < most ? *whole : most;
         memory_note_read(out->size);
         out->data = arena_alloc(arena, out->size + 1, 1);
+        memory_expect_full(out->data, out->size);
         size_t got = 0;
         ssize_t step = 1;
         while (got < out->size && (step = read(fd, out->data + got, out->size - got)) > 0)

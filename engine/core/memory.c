@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -277,6 +278,14 @@ void memory_free(void *memory) {
     if (!memory) return;
     uncount(memory);
     free(memory);
+}
+
+void memory_expect_full(void *memory, size_t bytes) {
+    static const uintptr_t LARGE_PAGE = (uintptr_t)2 << 20;
+    uintptr_t from = ((uintptr_t)memory + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE,
+              to = ((uintptr_t)memory + bytes) / LARGE_PAGE * LARGE_PAGE;
+    // A system without large pages refuses, and goes on with small ones.
+    if (from < to) madvise((void *)from, to - from, MADV_HUGEPAGE);
 }
 
 void memory_return_freed(void) { malloc_trim(0); }

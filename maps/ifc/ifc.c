@@ -517,6 +517,7 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     parallel_for(threads, file->maps.count, read_map, &maps);
     file->map_bodies = maps.bodies;
     work->prisms = ARENA_ARRAY(shared, Arena, threads);
+    for (int t = 0; t < threads; t++) work->prisms[t].dense = true;
     parallel_for(threads, model->product_count, read_shape, work);
     bool good = finish(file, work, threads, arena, error);
     for (int t = 0; t < threads; t++) arena_free(&work->prisms[t]);
@@ -528,7 +529,7 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
               Error *error) {
     *out = (IfcModel){0};
     int threads = parallel_threads(options->threads);
-    Arena shared = {0};
+    Arena shared = {.dense = true};
     long long polygons = 0;
     IfcFile file = {.options = *options, .polygons = &polygons};
     StepTypes types = {TYPE_NAMES, T_COUNT};
@@ -540,7 +541,11 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
         Work work = {.file = &file, .model = out, .readers = ARENA_ARRAY(&shared, Reader, threads)};
         for (int t = 0; t < threads; t++) {
             Reader *r = &work.readers[t];
-            *r = (Reader){.file = &file, .bad = SIZE_MAX, .product = -1, .strings = {.arena = &r->kept}};
+            *r = (Reader){.file = &file,
+                          .bad = SIZE_MAX,
+                          .product = -1,
+                          .strings = {.arena = &r->kept},
+                          .kept = {.dense = true}};
         }
         good = read_all(&file, &work, threads, arena, &shared, error);
         for (int t = 0; t < threads; t++) {

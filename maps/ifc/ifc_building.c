@@ -130,7 +130,7 @@ static void list_parts(IfcPlan *p) {
 }
 
 static bool read_ifc(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
-    IfcPlan p = {.path = path, .arena = arena, .b = out};
+    IfcPlan p = {.path = path, .arena = arena, .scratch = {.dense = true}, .b = out};
     IfcModel model;
     IfcOptions options = ifc_default_options();
     bool good = ifc_read(path, content, &options, &p.scratch, &model, error);

@@ -180,6 +180,11 @@ expect 0 "$program" bench visibility "$work/two.prt" --peer "$work/peer" && says
 printf '#!/bin/sh\nexit 0\n' >"$work/peer"
 expect 0 "$program" bench visibility "$work/two.prt" --peer "$work/peer" && says out 'leaf 1 has no visibility'
 expect 0 "$program" bench visibility $maps/two-rooms.plan --peer "$work/peer" && says out 'is no PRT1 file'
+# Building models, the same on one thread and on all, beside a program that does nothing.
+expect 0 "$program" bench models tests/seeds/small.ifc --peer "$work/peer" && says out ',one-thread,1,0.00,' &&
+    says out ',all-threads,0,0.00,' && says out 'small.ifc,peer,.*,peer'
+expect 2 "$program" bench models --methods two-threads && says err '`two-threads`'
+expect 1 "$program" bench models $maps/two-rooms.plan && says err 'is no STEP file'
 cat >"$work/peer" <<'END'
 #!/usr/bin/env python3
 # Both leaves see both: a row of one byte, 3, at the end of the file; -threads N NAME.bsp.

@@ -33,6 +33,26 @@ Test(memory, counts_what_is_in_use) {
     cr_expect_geq(memory_peak(), least);
 }
 
+// A dense arena hands out what any arena does: zeroed memory, aligned, also behind its first large pages; and it stays dense.
+Test(memory, dense_arenas_are_arenas) {
+    enum { PIECES = 40, PIECE = 3000000 };
+    size_t before = memory_used();
+    Arena arena = {.dense = true}, other = {0};
+    unsigned char *piece[PIECES];
+    for (int i = 0; i < PIECES; i++) {
+        piece[i] = arena_alloc(&arena, PIECE / (i % 2 ? 1 : 100), 1);
+        cr_assert_eq((uintptr_t)piece[i] % 64, 0);
+        for (int k = 0; k < PIECE / (i % 2 ? 1 : 100); k += 997) cr_assert_eq(piece[i][k], 0);
+        memset(piece[i], i + 1, PIECE / (i % 2 ? 1 : 100));
+    }
+    for (int i = 0; i < PIECES; i++)
+        cr_expect(piece[i][0] == i + 1 && piece[i][PIECE / (i % 2 ? 1 : 100) - 1] == i + 1, "piece %d", i);
+    arena_join(&other, &arena);
+    cr_expect(arena.dense && !other.dense && !arena.head);
+    arena_free(&other);
+    cr_expect_eq(memory_used(), before);
+}
+
 // ---- the end
 
 static void touch(void *path) {

@@ -120,7 +120,7 @@ RoomValues room_values(const RoomPlan *plan, const RoomLight *light, int threads
     Arena scratch = {0};
     GatherScene scene = {light->mesh, light->forest, light->door_open, &light->open, NULL};
     GatherOptions options = gather_default_options();
-    if (daylight_shines(&light->day)) options.resolution = ROOM_SKY_RESOLUTION;
+    options.resolution = daylight_shines(&light->day) ? ROOM_SKY_RESOLUTION : ROOM_RESOLUTION;
     threads = parallel_threads(threads);
     Gathering g = {.plan = plan,
                    .light = light,

@@ -59,8 +59,8 @@ typedef struct RoomPlan {
 // `height` of the working plane above each room's floor, metres.
 RoomPlan room_plan(const CellGraph *graph, double height, Arena *arena);
 
-// Directions across for light of the sky: a small window shows few of them.
-enum { ROOM_SKY_RESOLUTION = 300 };
+// Directions across: a small window shows few of them, for light of the sky, and a bright place beside a lamp takes few.
+enum { ROOM_RESOLUTION = 200, ROOM_SKY_RESOLUTION = 300 };
 // The light that arrives at the points from above, [point_count] each: as rooms are, and with all closed. NAN inside things: where backs
 // alone are in view, or no light arrives in a room that has some. The same on any number of threads (0: all cores).
 typedef struct RoomValues {

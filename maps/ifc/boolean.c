@@ -38,7 +38,7 @@ typedef struct Tree {
 // A face while it is cut.
 typedef struct Piece {
     Vec3 *corners;
-    int count, material;
+    int count, material, map;
     Plane plane;
 } Piece;
 
@@ -244,7 +244,8 @@ typedef struct Body {
     bool grown;  // the tree is made
 } Body;
 
-static bool begin_body(Cutter *c, Body *body, const Shape *shape) {
+// `maps`: pictures stay on the faces that are left.
+static bool begin_body(Cutter *c, Body *body, const Shape *shape, bool maps) {
     *body = (Body){.shape = shape, .box = box_grow(shape->box, SHAPE_EPSILON)};
     Vec3 low = shape->box.min, high = shape->box.max;
     if (!(fmin(fmin(low.x, low.y), low.z) > -FARTHEST && fmax(fmax(high.x, high.y), high.z) < FARTHEST))
@@ -256,7 +257,8 @@ static bool begin_body(Cutter *c, Body *body, const Shape *shape) {
     for (int i = 0; i < shape->face_count; i++) {
         const ShapeFace *f = &shape->faces[i];
         if (f->count + 8 > MOST_CORNERS) return false;
-        body->pieces[i] = (Piece){shape->corners + f->first, f->count, f->material, f->plane};
+        body->pieces[i] =
+            (Piece){shape->corners + f->first, f->count, f->material, maps ? f->map : 0, f->plane};
         Box box = box_empty();
         for (int k = 0; k < f->count; k++) box = box_add(box, shape->corners[f->first + k]);
         body->boxes[i] = box_grow(box, SHAPE_EPSILON);
@@ -327,6 +329,7 @@ static void keep_piece(Arena *arena, Shape *out, const Piece *p, bool flip) {
     if (polygon_area(p->corners, p->count) < SHAPE_SMALLEST_AREA) return;
     int first = out->face_count;
     shape_add_in_plane(arena, out, p->corners, p->count, p->material, p->plane);
+    if (out->face_count > first) out->faces[first].map = p->map;
     if (!flip || out->face_count == first) return;
     Shape one = {.corners = out->corners, .faces = out->faces + first, .face_count = 1};
     shape_flip(&one);
@@ -415,16 +418,18 @@ bool shape_boolean(Arena *arena, ShapeBoolean operation, const Shape *a, const S
     *out = *a;
     Body body, *bodies = ARENA_ARRAY(arena, Body, tool_count + 1);
     int near = 0;
-    if (!begin_body(&c, &body, a)) return false;
+    if (!begin_body(&c, &body, a, true)) return false;
     for (int i = 0; i < tool_count; i++) {
         bool meets = tools[i]->face_count > 0 && box_overlap(tools[i]->box, body.box);
         if (operation == SHAPE_DIFFERENCE && !meets) continue;
-        if (!begin_body(&c, &bodies[near++], tools[i])) return false;
+        if (!begin_body(&c, &bodies[near++], tools[i], false)) return false;
     }
     if (near == 0) return true;
     Shape result = shape_empty(a->solid);
     bool good = combine(&c, operation, &body, bodies, near, &result);
     *work = c.work;
+    result.maps = a->maps;
+    result.map_count = result.map_room = a->map_count;
     if (good) *out = result;
     return good;
 }

@@ -124,6 +124,23 @@ static void push_edges(Reader *r, const FaceRings *f, Shell *shell) {
             (ShapeEdge){f->corners[k], f->corners[(k + 1) % f->size[0]], shell->count - 1};
 }
 
+// The picture of an IfcTextureMap, whose places are in the order of the loop, which a bound may turn.
+static void lay_on_face(Reader *r, int record, const StepValue *bounds, const FaceRings *f, int first,
+                        Shape *out) {
+    IfcPlaces places;
+    StepValue bound[2];
+    if (f->ring_count == 0 || !ifc_places(r, record, &places) || places.count != f->size[0]) return;
+    StepCursor c = ifc_list(r, bounds);
+    if (ifc_arguments(r, step_next(&c).record, bound, 2) && ifc_is(r, &bound[1], "F")) {
+        for (int i = 0; i < places.count / 2; i++) {
+            Vec2 keep = places.at[i];
+            places.at[i] = places.at[places.count - 1 - i];
+            places.at[places.count - 1 - i] = keep;
+        }
+    }
+    ifc_lay_picture(r, out, first, f->corners, places.at, places.count);
+}
+
 static void brep_face(Reader *r, int record, Shell *shell, Shape *out) {
     StepValue v[3];
     int type = ifc_type(r, record), before = out->face_count;
@@ -139,6 +156,7 @@ static void brep_face(Reader *r, int record, Shell *shell, Shape *out) {
     if (type != T_FACE) push_edges(r, &f, shell);
     if (!curved) {
         add_rings(r, record, &f, out);
+        lay_on_face(r, record, &v[0], &f, before, out);
     } else if (!ifc_curved_face(r, v[1].record, &f, same, out)) {
         ifc_note(r, v[1].record, "is no surface that is read: its faces are flat between their edges");
         add_rings(r, record, &f, out);
@@ -252,6 +270,7 @@ typedef struct FaceSet {
     int count;
     int *pn, pn_count;  // IfcTessellatedFaceSet.PnIndex
     FaceColours colours;
+    IfcPlaces places;
 } FaceSet;
 
 // The point of an index; -1 where there is none.
@@ -339,6 +358,11 @@ static bool triangulated(Reader *r, int record, const StepValue *triangles, Face
         int before = out->face_count;
         shape_add(&r->scratch, out, corner, 3, -1);
         colour_faces(set, face, before, out);
+        if (face < set->places.index_count / 3 && out->face_count > before) {
+            Vec2 places[3];
+            for (int i = 0; i < 3; i++) places[i] = set->places.at[set->places.index[3 * face + i]];
+            ifc_lay_picture(r, out, before, corner, places, 3);
+        }
     }
     return out->face_count > 0;
 }
@@ -363,6 +387,7 @@ bool ifc_face_set(Reader *r, int record, Shape *out) {
     ifc_arguments(r, record, v, 5);
     set.count = ifc_point_list(r, v[0].record, &set.points);
     set.colours = face_colours(r, record);
+    ifc_places(r, record, &set.places);
     // IfcPolygonalFaceSet: points, closed, faces, PnIndex. The triangulated one has normals before `closed`.
     bool polygons = type == T_POLYGONALFACESET;
     const StepValue *closed = &v[polygons ? 1 : 2], *faces = &v[polygons ? 2 : 3], *pn = &v[polygons ? 3 : 4];

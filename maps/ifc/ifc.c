@@ -115,6 +115,9 @@ static void copy_body(Arena *arena, const Body *from, Body *to) {
                                   (size_t)a->shape.corner_count * sizeof(Vec3));
         b->shape.faces = memcpy(ARENA_ARRAY(arena, ShapeFace, a->shape.face_count), a->shape.faces,
                                 (size_t)a->shape.face_count * sizeof(ShapeFace));
+        if (a->shape.map_count > 0)
+            b->shape.maps = memcpy(ARENA_ARRAY(arena, TextureMap, a->shape.map_count), a->shape.maps,
+                                   (size_t)a->shape.map_count * sizeof(TextureMap));
         if (a->prism.ring_count == 0) continue;
         int total = 0;
         b->prism.size = memcpy(ARENA_ARRAY(arena, int, a->prism.ring_count), a->prism.size,
@@ -173,9 +176,17 @@ static int look_of(Reader *r, const Relations *rel, int record) {
     return at < 0 ? -1 : ifc_material_look(r, rel->materials.pair[at].value, 0);
 }
 
+// The place of a corner in the picture that lies on its face.
+static Vec2 place_of(const Shape *s, const ShapeFace *f, Vec3 corner) {
+    if (!f->map) return vec2(NAN, NAN);
+    const TextureMap *m = &s->maps[f->map - 1];
+    return vec2(vec3_dot(m->u, corner) + m->u0, vec3_dot(m->v, corner) + m->v0);
+}
+
 static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int look, IfcMesh *out) {
-    int corners = 0, faces = 0;
+    int corners = 0, faces = 0, maps = 0;
     for (int i = 0; i < body->count; i++) {
+        maps += body->items[i].shape.map_count;
         corners += body->items[i].shape.corner_count;
         faces += body->items[i].shape.face_count;
     }
@@ -186,6 +197,7 @@ static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int lo
     char *memory = arena_alloc(arena, size + (size_t)faces * sizeof(IfcPolygon), 1);
     out->corners = (Vec3 *)memory;
     out->polygons = (IfcPolygon *)(memory + size);
+    if (maps > 0) out->places = ARENA_ARRAY(arena, Vec2, corners);
     for (int i = 0; i < body->count; i++) {
         const Shape *s = &body->items[i].shape;
         for (int k = 0; k < s->face_count; k++) {
@@ -194,8 +206,10 @@ static void make_mesh(Arena *arena, const Body *body, const Frame *frame, int lo
                                                                f->material >= 0 ? f->material
                                                                : look >= 0      ? look
                                                                                 : 0};
-            for (int n = 0; n < f->count; n++)
+            for (int n = 0; n < f->count; n++) {
+                if (out->places) out->places[out->corner_count] = place_of(s, f, s->corners[f->first + n]);
                 out->corners[out->corner_count++] = frame_point(frame, s->corners[f->first + n]);
+            }
         }
     }
 }
@@ -488,6 +502,10 @@ static bool finish(const IfcFile *file, const Work *work, int threads, Arena *ar
                               (size_t)file->material_count * sizeof(IfcMaterial));
     for (int i = 0; i < model->material_count; i++)
         model->materials[i].name = arena_string(arena, model->materials[i].name);
+    model->texture_count = file->texture_count;
+    if (file->texture_count > 0)
+        model->textures = memcpy(ARENA_ARRAY(arena, IfcTexture, file->texture_count), file->textures,
+                                 (size_t)file->texture_count * sizeof(IfcTexture));
     join_footprints(arena, work, model);
     join_notes(arena, work, threads, model);
     move_near(model);

@@ -42,7 +42,17 @@ typedef struct IfcMaterial {
     const char *name;  // of the style or the material; ""
     float colour[3];   // 0 .. 1, as on a screen (sRGB)
     float alpha;       // 1 opaque, 0 clear
+    int texture;       // in IfcModel.textures; 0: none
 } IfcMaterial;
+
+// A picture: a file beside the model, the bytes of such a file, or pixels.
+typedef struct IfcTexture {
+    int entity;
+    const char *file;  // as the model names it; NULL: none
+    Bytes image;       // size 0: none
+    uint8_t *pixels;   // [height * width * 4] from the top: red, green, blue, opacity; NULL: none
+    int width, height;
+} IfcTexture;
 
 // A planar convex polygon, counter-clockwise seen from outside the body.
 typedef struct IfcPolygon {
@@ -53,6 +63,9 @@ typedef struct IfcPolygon {
 // The polygons of one product.
 typedef struct IfcMesh {
     Vec3 *corners;
+    // [corner_count] places in the picture of the polygon's material, (0, 0) its top left corner, (1, 1) its bottom right one; NAN: no
+    // picture lies on the polygon. NULL: on none.
+    Vec2 *places;
     IfcPolygon *polygons;
     int corner_count, polygon_count;
 } IfcMesh;
@@ -123,13 +136,14 @@ typedef struct IfcModel {
     IfcStorey *storeys;          // by elevation
     IfcProduct *products;        // in order of the file; spaces and openings among them
     IfcMaterial *materials;
+    IfcTexture *textures;  // entry 0 is none
     IfcFootprint *footprints;
     IfcRing *rings;
     Vec2 *points;
     IfcBoundary *boundaries;
     IfcNote *notes;  // at most IFC_MOST_NOTES, then one that tells how many more
-    int storey_count, product_count, material_count, footprint_count, ring_count, point_count, boundary_count,
-        note_count;
+    int storey_count, product_count, material_count, texture_count, footprint_count, ring_count, point_count,
+        boundary_count, note_count;
     long long polygon_count;  // of all products
 } IfcModel;
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "maps/building/reader.h"
+#include "maps/building/texture.h"
 #include "maps/polygons/soup_readers.h"
 
 // Where the file has no style: white paint, a light grey of wood or stone, light wood, clear glass. sRGB.
@@ -28,7 +29,8 @@ static void set_defaults(IfcPlan *p) {
     p->sketch.outer_material = p->wall_material;
     p->sketch.slab_material = add_colour(p, "slab", WALL_COLOUR, 1);
     p->sketch.ground_material = add_colour(p, "ground", GROUND_COLOUR, 1);
-    for (int i = 0; i < p->model->material_count; i++) p->material[i] = -1;
+    for (int i = 0; i < p->model->material_count; i++) p->material[i] = p->pictured[i] = -1;
+    for (int i = 0; i < p->model->texture_count; i++) p->texture[i] = -1;
 }
 
 static void set_site(IfcPlan *p) {
@@ -139,6 +141,10 @@ static bool read_ifc(const char *path, Bytes content, Arena *arena, Building *ou
         p.walls = ARENA_ARRAY(&p.scratch, SolidOutlines, model.product_count);
         p.storey = ARENA_ARRAY(&p.scratch, int, model.storey_count);
         p.material = ARENA_ARRAY(&p.scratch, int, model.material_count);
+        p.pictured = ARENA_ARRAY(&p.scratch, int, model.material_count);
+        p.texture = ARENA_ARRAY(&p.scratch, int, model.texture_count + 1);
+        p.beside = (SoupReader){.path = path, .arena = arena, .b = out, .hash = out->hash};
+        p.pixels = TEXTURE_FREE_PIXELS;
         list_parts(&p);
         p.tracer = solid_begin(&p.scratch);
         good = make_building(&p, error);

@@ -11,6 +11,7 @@
 #include "maps/building/sketch.h"
 #include "maps/ifc/ifc.h"
 #include "maps/ifc/solid_outline.h"
+#include "maps/polygons/soup_readers.h"
 
 // A space that becomes a room.
 typedef struct IfcRoom {
@@ -48,6 +49,10 @@ typedef struct IfcPlan {
     int *first_part, *parts;  // the parts of product i: parts[first_part[i]] .. parts[first_part[i + 1] - 1]
     int *storey;              // [model->storey_count] the building's storey, -1: it became none
     int *material;            // [model->material_count] of the building, -1: not yet
+    int *pictured;      // [model->material_count] the same with its picture; -1: it has none, or not yet
+    int *texture;       // [model->texture_count] of the building, 0: none, -1: not yet
+    SoupReader beside;  // reads pictures beside the model
+    double pixels;      // of pictures that may still be decoded (texture_add)
     int room_count, room_capacity, hole_capacity;
     int wall_material, floor_material, ceiling_material, door_material, thing_material, glass_material;
     NoteTally no_body, recesses, small_holes, roof_windows, low_doors, too_many, unbuilt;
@@ -58,6 +63,7 @@ const char *ifc_name(const IfcPlan *p, int product);   // of a space its number 
 const char *ifc_place(const IfcPlan *p, int product);  // for notes: #12 door `D-1`
 int ifc_material(IfcPlan *p, int material,
                  int otherwise);  // in the building; `otherwise` for polygons without a style
+int ifc_pictured(IfcPlan *p, int material, int otherwise);  // the same for polygons on which its picture lies
 
 // ---- ifc_building_plan.c
 bool ifc_plan_storeys(IfcPlan *p, Error *error);  // finds rooms, too
@@ -78,8 +84,6 @@ void ifc_plan_openings(IfcPlan *p);
 void ifc_check_doors(IfcPlan *p);
 
 // ---- ifc_building_objects.c
-int ifc_material(IfcPlan *p, int material,
-                 int otherwise);  // in the building; `otherwise` for polygons without a style
 void ifc_add_objects(IfcPlan *p);
 // Adds the polygons of a mesh as an object. Returns it, -1 where nothing is left.
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise);

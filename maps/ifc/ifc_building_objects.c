@@ -95,13 +95,18 @@ static void find_turned(const IfcMesh *mesh, Arena *arena, bool *turned) {
     }
 }
 
-static void add_corners(IfcPlan *p, const Vec3 *corners, int count, bool turned, int material) {
-    Vec3 *other = NULL;
+// `places` may be NULL.
+static void add_corners(IfcPlan *p, const Vec3 *corners, const Vec2 *places, int count, bool turned,
+                        int material) {
     if (turned) {
-        other = ARENA_ARRAY(&p->scratch, Vec3, count);
+        Vec3 *other = ARENA_ARRAY(&p->scratch, Vec3, count);
+        Vec2 *there = ARENA_ARRAY(&p->scratch, Vec2, count);
         for (int k = 0; k < count; k++) other[k] = corners[count - 1 - k];
+        for (int k = 0; k < count && places; k++) there[k] = places[count - 1 - k];
+        corners = other;
+        places = places ? there : NULL;
     }
-    building_add_polygon(p->arena, p->b, turned ? other : corners, count, material);
+    building_add_textured(p->arena, p->b, corners, places, count, material);
 }
 
 int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *name, int otherwise) {
@@ -118,8 +123,11 @@ int ifc_add_mesh(IfcPlan *p, const IfcMesh *mesh, ObjectKind kind, const char *n
         const IfcPolygon *polygon = &mesh->polygons[i];
         const Vec3 *corners = mesh->corners + polygon->first_corner;
         if (in_room_plane(p, corners, polygon->corner_count)) continue;
-        add_corners(p, corners, polygon->corner_count, turned[i],
-                    ifc_material(p, polygon->material, otherwise));
+        const Vec2 *places = mesh->places ? mesh->places + polygon->first_corner : NULL;
+        if (places && isnan(places[0].x)) places = NULL;
+        add_corners(p, corners, places, polygon->corner_count, turned[i],
+                    places ? ifc_pictured(p, polygon->material, otherwise)
+                           : ifc_material(p, polygon->material, otherwise));
     }
     if (b->objects[object].polygon_count > 0) return object;
     b->object_count--;

@@ -45,10 +45,13 @@ typedef struct IfcFile {
     Pairs styles;          // item -> material in `materials`
     Pairs looks;           // IfcMaterial -> material
     Pairs colour_maps;     // face set -> IfcIndexedColourMap
+    Pairs places;          // face or face set -> its places in a picture (IfcTextureCoordinate)
     Pairs maps;            // representation map -> its index in map_bodies
     Body *map_bodies;
     IfcMaterial *materials;
     int material_count, material_room;
+    IfcTexture *textures;  // entry 0 is none
+    int texture_count, texture_room;
     long long most_polygons;
     long long *polygons;  // made by all threads; beyond `most_polygons` the file is refused
 } IfcFile;
@@ -215,6 +218,18 @@ void ifc_read_units(Reader *r, IfcFile *file);
 void ifc_read_styles(Reader *r, IfcFile *file, Arena *arena);
 // The look of an IfcMaterialSelect; -1 where it has none.
 int ifc_material_look(Reader *r, int record, int depth);
+
+// Pictures (textures.c). A texture of a surface style is kept once, by a reader whose memory lasts; 0: it cannot be used.
+int ifc_read_texture(Reader *r, IfcFile *file, int record);
+// Places of corners in a picture: of a face in order, or of triangle i of a face set by index[3 * i] and the next two.
+typedef struct IfcPlaces {
+    Vec2 *at;
+    int *index;
+    int count, index_count;
+} IfcPlaces;
+bool ifc_places(Reader *r, int record, IfcPlaces *out);
+// Lays a picture on the faces of a shape from `first` on, so that each corner has its place.
+void ifc_lay_picture(Reader *r, Shape *shape, int first, const Vec3 *corners, const Vec2 *places, int count);
 
 // Products and what relates them (products.c). Lists of records by product or host, sorted.
 typedef struct Relations {

@@ -9,7 +9,7 @@ void shape_add_in_plane(Arena *arena, Shape *shape, const Vec3 *corners, int cou
     shape->corners = arena_room(arena, shape->corners, sizeof(Vec3), shape->corner_count,
                                 shape->corner_count + count, &shape->corner_room);
     ShapeFace *face = ARENA_PUSH(arena, shape->faces, shape->face_count, shape->face_room);
-    *face = (ShapeFace){shape->corner_count, count, material, plane};
+    *face = (ShapeFace){shape->corner_count, count, material, 0, plane};
     for (int i = 0; i < count; i++) {
         shape->corners[shape->corner_count++] = corners[i];
         shape->box = box_add(shape->box, corners[i]);
@@ -85,10 +85,30 @@ bool shape_add_rings(Arena *arena, Shape *shape, const Vec3 *corners, const int 
     return true;
 }
 
+// Appends the maps of a shape that `back` leads to from where they come to lie; returns how many there were before.
+static int append_maps(Arena *arena, Shape *to, const Shape *from, const Frame *back) {
+    int before = to->map_count;
+    for (int i = 0; i < from->map_count; i++) {
+        TextureMap m = from->maps[i], *out = ARENA_PUSH(arena, to->maps, to->map_count, to->map_room);
+        *out = m;
+        if (!back) continue;
+        out->u = vec3(vec3_dot(m.u, back->x), vec3_dot(m.u, back->y), vec3_dot(m.u, back->z));
+        out->v = vec3(vec3_dot(m.v, back->x), vec3_dot(m.v, back->y), vec3_dot(m.v, back->z));
+        out->u0 += vec3_dot(m.u, back->o);
+        out->v0 += vec3_dot(m.v, back->o);
+    }
+    return before;
+}
+
+static int map_after(int map, int before) { return map ? map + before : 0; }
+
 void shape_append(Arena *arena, Shape *to, const Shape *from) {
+    int maps = append_maps(arena, to, from, NULL);
     for (int i = 0; i < from->face_count; i++) {
         const ShapeFace *f = &from->faces[i];
+        int at = to->face_count;
         shape_add_in_plane(arena, to, from->corners + f->first, f->count, f->material, f->plane);
+        if (to->face_count > at) to->faces[at].map = map_after(f->map, maps);
     }
 }
 
@@ -133,7 +153,11 @@ Frame frame_inverse(const Frame *f) {
 void shape_append_mapped(Arena *arena, Shape *to, const Shape *from, const Frame *frame) {
     double volume = frame_volume(frame);
     if (from->face_count == 0) return;
-    int before_faces = to->face_count, before = to->corner_count;
+    int before_faces = to->face_count, before = to->corner_count, maps = 0;
+    if (from->map_count > 0 && volume != 0) {
+        Frame back = frame_inverse(frame);
+        maps = append_maps(arena, to, from, &back);
+    }
     to->corners =
         arena_room(arena, to->corners, sizeof(Vec3), before, before + from->corner_count, &to->corner_room);
     to->faces = arena_room(arena, to->faces, sizeof(ShapeFace), before_faces, before_faces + from->face_count,
@@ -160,6 +184,10 @@ void shape_append_mapped(Arena *arena, Shape *to, const Shape *from, const Frame
         Vec3 middle = vec3(0, 0, 0);
         for (int k = 0; k < f->count; k++) middle = vec3_add(middle, to->corners[first + k]);
         middle = vec3_scale(middle, 1.0 / f->count);
-        to->faces[to->face_count++] = (ShapeFace){first, f->count, f->material, {n, vec3_dot(n, middle)}};
+        to->faces[to->face_count++] = (ShapeFace){first,
+                                                  f->count,
+                                                  f->material,
+                                                  volume != 0 ? map_after(f->map, maps) : 0,
+                                                  {n, vec3_dot(n, middle)}};
     }
 }

@@ -4,6 +4,7 @@
 
 #include "engine/core/arena.h"
 #include "engine/core/vec.h"
+#include "maps/building/building.h"
 
 // Points closer to a plane than this lie on it, metres: files round lengths to a hundredth of a millimetre at best.
 #define SHAPE_EPSILON 1e-5
@@ -14,6 +15,7 @@
 typedef struct ShapeFace {
     int first, count;  // in Shape.corners
     int material;      // -1: that of the item or product
+    int map;           // how a picture lies on it: Shape.maps[map - 1]; 0: none does
     Plane plane;       // its normal points out of the body
 } ShapeFace;
 
@@ -21,7 +23,8 @@ typedef struct ShapeFace {
 typedef struct Shape {
     Vec3 *corners;
     ShapeFace *faces;
-    int corner_count, face_count, corner_room, face_room;
+    TextureMap *maps;
+    int corner_count, face_count, map_count, corner_room, face_room, map_room;
     bool solid;  // the faces enclose a body
     Box box;
 } Shape;

@@ -663,7 +663,9 @@ static inline StepValue read_value(StepCursor *c) {
     case '"': {
         const char *end = memchr(text + c->at + 1, '"', file->size - c->at - 1);
         if (!end) return v;
-        v.kind = STEP_NONE;  // binary data are not used
+        v.kind = STEP_BINARY;
+        v.at = c->at + 1;
+        v.size = (size_t)(end - text) - v.at;
         c->at = (size_t)(end - text) + 1;
         return v;
     }

@@ -43,6 +43,7 @@ typedef enum StepKind {
     STEP_DERIVED,  // *
     STEP_NUMBER,
     STEP_STRING,
+    STEP_BINARY,
     STEP_ENUM,
     STEP_REF,
     STEP_LIST,
@@ -59,7 +60,7 @@ typedef struct StepValue {
         size_t name;    // of typed values: where the name begins
     };
     size_t at,
-        size;  // bytes: of strings and enumerators without their quotes or dots; of lists and typed values from their (
+        size;  // bytes: of strings, binary data and enumerators without their quotes or dots; of lists and typed values from their (
 } StepValue;
 
 // A place among arguments. Only one thread uses a cursor.

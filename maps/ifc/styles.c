@@ -63,7 +63,7 @@ static int keep_look(Looks *looks, IfcMaterial look) {
         if (!at) break;
         const IfcMaterial *m = &file->materials[at - 1];
         if (memcmp(m->colour, look.colour, sizeof look.colour) == 0 && m->alpha == look.alpha &&
-            strcmp(m->name, look.name) == 0)
+            m->texture == look.texture && strcmp(m->name, look.name) == 0)
             return at - 1;
     }
     if (file->material_count >= MOST_MATERIALS) return 0;
@@ -74,23 +74,37 @@ static int keep_look(Looks *looks, IfcMaterial look) {
 
 static float share(double x) { return (float)(x >= 0 ? x <= 1 ? x : 1 : 0); }
 
-// An IfcSurfaceStyle's colour; -1 where it has none.
+// The first texture of an IfcSurfaceStyleWithTextures; 0: none.
+static int style_texture(Reader *r, Looks *looks, int record) {
+    StepValue list;
+    if (!ifc_arguments(r, record, &list, 1)) return 0;
+    StepCursor c = ifc_list(r, &list);
+    StepValue first = step_next(&c);
+    return first.kind == STEP_REF ? ifc_read_texture(r, looks->file, first.record) : 0;
+}
+
+// The colour and the picture of an IfcSurfaceStyle; -1 where it has neither. A picture without a colour lies on white.
 static int surface_style(Reader *r, Looks *looks, int record) {
     StepValue v[3], s[2], rgb[4];
     if (ifc_type(r, record) != T_SURFACESTYLE || !ifc_arguments(r, record, v, 3)) return -1;
+    IfcMaterial look = {.colour = {1, 1, 1}, .alpha = 1};
+    bool coloured = false;
     StepCursor c = ifc_list(r, &v[2]);
     for (StepValue part = step_next(&c); part.kind != STEP_END; part = step_next(&c)) {
         int type = ifc_type(r, part.record);
-        if ((type != T_SURFACESTYLERENDERING && type != T_SURFACESTYLESHADING) ||
+        if (type == T_SURFACESTYLEWITHTEXTURES && !look.texture)
+            look.texture = style_texture(r, looks, part.record);
+        if ((type != T_SURFACESTYLERENDERING && type != T_SURFACESTYLESHADING) || coloured ||
             !ifc_arguments(r, part.record, s, 2))
             continue;
         if (ifc_type(r, s[0].record) != T_COLOURRGB || !ifc_arguments(r, s[0].record, rgb, 4)) continue;
-        IfcMaterial look = {.name = step_string(&r->file->step, &v[0], &r->strings),
-                            .alpha = share(1 - ifc_number(r, &s[1], 0))};
+        coloured = true;
+        look.alpha = share(1 - ifc_number(r, &s[1], 0));
         for (int i = 0; i < 3; i++) look.colour[i] = share(ifc_number(r, &rgb[1 + i], 0));
-        return keep_look(looks, look);
     }
-    return -1;
+    if (!coloured && !look.texture) return -1;
+    look.name = step_string(&r->file->step, &v[0], &r->strings);
+    return keep_look(looks, look);
 }
 
 // The look of a list of styles: surface styles, or assignments of them.
@@ -156,14 +170,22 @@ static void colour_map(Reader *r, Looks *looks, int record, Pairs *maps) {
     for (StepValue s = step_next(&c); s.kind != STEP_END; s = step_next(&c)) {
         double rgb[3] = {0};
         step_numbers(&c, &s, rgb, 3);
-        keep_look(looks, (IfcMaterial){"", {(float)rgb[0], (float)rgb[1], (float)rgb[2]}, alpha});
+        keep_look(looks, (IfcMaterial){"", {(float)rgb[0], (float)rgb[1], (float)rgb[2]}, alpha, 0});
     }
     *ARENA_PUSH(looks->arena, maps->pair, maps->count, maps->room) = (Pair){v[0].record, record};
 }
 
+// The face set (IfcIndexedTriangleTextureMap) or the face (IfcTextureMap) that places in a picture belong to.
+static void picture_places(Reader *r, int record, Arena *arena, Pairs *out) {
+    StepValue v[3];
+    if (!ifc_arguments(r, record, v, 3)) return;
+    int to = ifc_type(r, record) == T_TEXTUREMAP ? v[2].record : v[1].record;
+    if (to >= 0) *ARENA_PUSH(arena, out->pair, out->count, out->room) = (Pair){to, record};
+}
+
 void ifc_read_styles(Reader *r, IfcFile *file, Arena *arena) {
     Looks looks = {file, arena, ARENA_ARRAY(arena, int, LOOK_TABLE)};
-    keep_look(&looks, (IfcMaterial){"", {0.8f, 0.8f, 0.8f}, 1});
+    keep_look(&looks, (IfcMaterial){"", {0.8f, 0.8f, 0.8f}, 1, 0});
     for (int i = 0; i < file->step.record_count; i++) {
         int item;
         switch (file->step.type[i]) {
@@ -180,6 +202,13 @@ void ifc_read_styles(Reader *r, IfcFile *file, Arena *arena) {
         case T_INDEXEDCOLOURMAP:
             colour_map(r, &looks, i, &file->colour_maps);
             break;
+        case T_INDEXEDTRIANGLETEXTUREMAP:
+        case T_TEXTUREMAP:
+            picture_places(r, i, arena, &file->places);
+            break;
+        case T_TEXTURECOORDINATEGENERATOR:
+            ifc_note(r, i, "tells no places in a picture that are read: its faces show the picture's mean");
+            break;
         default:
             break;
         }
@@ -187,6 +216,7 @@ void ifc_read_styles(Reader *r, IfcFile *file, Arena *arena) {
     ifc_sort(&file->styles);
     ifc_sort(&file->looks);
     ifc_sort(&file->colour_maps);
+    ifc_sort(&file->places);
 }
 
 // ---- materials of products

@@ -34,6 +34,7 @@ typedef struct Found {
     IfcRing *rings;
     Vec2 *points;
     int footprint_count, ring_count, point_count;
+    int first_ring, first_point;  // in the model
 } Found;
 
 typedef struct Work {
@@ -392,30 +393,42 @@ static void read_shape(void *context, int index, int thread) {
 
 // ---- the whole
 
-static void join_footprints(Arena *arena, const Work *work, IfcModel *model) {
+enum { JOINED_AT_ONCE = 4096 };  // products
+
+static void join_some(void *context, int index, int thread) {
+    (void)thread;
+    const Work *work = context;
+    IfcModel *model = work->model;
+    int end = (index + 1) * JOINED_AT_ONCE;
+    for (int i = index * JOINED_AT_ONCE; i < end && i < model->product_count; i++) {
+        const Found *f = &work->found[i];
+        for (int k = 0; k < f->footprint_count; k++) {
+            IfcFootprint *to = &model->footprints[model->products[i].first_footprint + k];
+            *to = f->footprints[k];
+            to->first_ring += f->first_ring;
+        }
+        for (int k = 0; k < f->ring_count; k++)
+            model->rings[f->first_ring + k] =
+                (IfcRing){f->rings[k].first_point + f->first_point, f->rings[k].point_count};
+        for (int k = 0; k < f->point_count; k++) model->points[f->first_point + k] = f->points[k];
+    }
+}
+
+static void join_footprints(Arena *arena, Work *work, int threads, IfcModel *model) {
     for (int i = 0; i < model->product_count; i++) {
-        model->footprint_count += work->found[i].footprint_count;
-        model->ring_count += work->found[i].ring_count;
-        model->point_count += work->found[i].point_count;
+        Found *f = &work->found[i];
+        model->products[i].first_footprint = model->footprint_count;
+        model->products[i].footprint_count = f->footprint_count;
+        f->first_ring = model->ring_count;
+        f->first_point = model->point_count;
+        model->footprint_count += f->footprint_count;
+        model->ring_count += f->ring_count;
+        model->point_count += f->point_count;
     }
     model->footprints = ARENA_ARRAY(arena, IfcFootprint, model->footprint_count + 1);
     model->rings = ARENA_ARRAY(arena, IfcRing, model->ring_count + 1);
     model->points = ARENA_ARRAY(arena, Vec2, model->point_count + 1);
-    int footprints = 0, rings = 0, points = 0;
-    for (int i = 0; i < model->product_count; i++) {
-        const Found *f = &work->found[i];
-        model->products[i].first_footprint = footprints;
-        model->products[i].footprint_count = f->footprint_count;
-        for (int k = 0; k < f->footprint_count; k++) {
-            model->footprints[footprints] = f->footprints[k];
-            model->footprints[footprints++].first_ring += rings;
-        }
-        for (int k = 0; k < f->ring_count; k++)
-            model->rings[rings + k] = (IfcRing){f->rings[k].first_point + points, f->rings[k].point_count};
-        for (int k = 0; k < f->point_count; k++) model->points[points + k] = f->points[k];
-        rings += f->ring_count;
-        points += f->point_count;
-    }
+    parallel_for(threads, (model->product_count + JOINED_AT_ONCE - 1) / JOINED_AT_ONCE, join_some, work);
 }
 
 static int compare_notes(const void *a, const void *b) {
@@ -489,7 +502,7 @@ static bool tell_damage(const IfcFile *file, const Reader *readers, int threads,
                      file->step.path, step_line(&file->step, bad), shown, file->step.text + bad);
 }
 
-static bool finish(const IfcFile *file, const Work *work, int threads, Arena *arena, Error *error) {
+static bool finish(const IfcFile *file, Work *work, int threads, Arena *arena, Error *error) {
     IfcModel *model = work->model;
     if (!tell_damage(file, work->readers, threads, error)) return false;
     if (ifc_too_many(&work->readers[0]))
@@ -506,7 +519,7 @@ static bool finish(const IfcFile *file, const Work *work, int threads, Arena *ar
     if (file->texture_count > 0)
         model->textures = memcpy(ARENA_ARRAY(arena, IfcTexture, file->texture_count), file->textures,
                                  (size_t)file->texture_count * sizeof(IfcTexture));
-    join_footprints(arena, work, model);
+    join_footprints(arena, work, threads, model);
     join_notes(arena, work, threads, model);
     move_near(model);
     for (int i = 0; i < model->product_count; i++)

@@ -177,6 +177,7 @@ typedef struct Part {
     Fault fault;
     size_t fault_at;
     int count;
+    int first;  // of its records in the file
     long long largest;
     Arena arena;
     int *entity;
@@ -329,7 +330,7 @@ static size_t likely_begin(const StepFile *file, size_t from) {
 
 static uint32_t entity_hash(int entity) { return (uint32_t)entity * 2654435769u; }
 
-static void index_entities(StepFile *file, long long largest, Arena *arena) {
+static void begin_index(StepFile *file, long long largest, Arena *arena) {
     long long count = file->record_count;
     file->hashed = largest > 8 * count + 1000000;
     long long size = largest + 1;
@@ -338,16 +339,6 @@ static void index_entities(StepFile *file, long long largest, Arena *arena) {
     file->by_count = (int)size;
     file->by_entity = ARENA_ARRAY(arena, int, size);
     memset(file->by_entity, -1, (size_t)size * sizeof(int));
-    // The first of several records of one number counts.
-    for (int i = 0; i < file->record_count; i++) {
-        uint32_t at = (uint32_t)file->entity[i];
-        if (file->hashed) {
-            at = entity_hash(file->entity[i]) & (uint32_t)(size - 1);
-            while (file->by_entity[at] >= 0 && file->entity[file->by_entity[at]] != file->entity[i])
-                at = (at + 1) & (uint32_t)(size - 1);
-        }
-        if (file->by_entity[at] < 0) file->by_entity[at] = i;
-    }
 }
 
 int step_find(const StepFile *file, long long entity) {
@@ -391,8 +382,46 @@ static bool step_header(StepFile *file, size_t *data, Error *error) {
     }
 }
 
+typedef struct Joining {
+    StepFile *file;
+    Part *parts;
+} Joining;
+
+// Enters a record in the index, while other threads enter theirs.
+static void index_record(StepFile *file, int record) {
+    int entity = file->entity[record];
+    uint32_t mask = (uint32_t)file->by_count - 1,
+             at = file->hashed ? entity_hash(entity) & mask : (uint32_t)entity;
+    for (;; at = (at + 1) & mask) {
+        int there = -1;
+        if (__atomic_compare_exchange_n(&file->by_entity[at], &there, record, false, __ATOMIC_ACQ_REL,
+                                        __ATOMIC_ACQUIRE))
+            return;
+        if (file->entity[there] != entity) continue;
+        // The first of several records of one number counts.
+        while (record < there && !__atomic_compare_exchange_n(&file->by_entity[at], &there, record, false,
+                                                              __ATOMIC_ACQ_REL, __ATOMIC_ACQUIRE))
+            continue;
+        return;
+    }
+}
+
+static void join_part(void *context, int index, int thread) {
+    (void)thread;
+    const Joining *joining = context;
+    StepFile *file = joining->file;
+    Part *part = &joining->parts[index];
+    if (part->count == 0) return;
+    memcpy(file->entity + part->first, part->entity, (size_t)part->count * sizeof(int));
+    memcpy(file->type + part->first, part->type, (size_t)part->count * sizeof(uint16_t));
+    memcpy(file->at + part->first, part->at, (size_t)part->count * sizeof(size_t));
+    arena_free(&part->arena);
+    for (int i = part->first; i < part->first + part->count; i++) index_record(file, i);
+}
+
 // Joins the parts in order. A part whose beginning is not where the one before ended is read again from there.
-static bool join_parts(StepFile *file, const Scan *scan, int part_count, Arena *arena, Error *error) {
+static bool join_parts(StepFile *file, const Scan *scan, int part_count, int threads, Arena *arena,
+                       Error *error) {
     long long count = 0, largest = 0;
     int used = 0;
     for (; used < part_count; used++) {
@@ -417,15 +446,12 @@ static bool join_parts(StepFile *file, const Scan *scan, int part_count, Arena *
     file->type = ARENA_ARRAY(arena, uint16_t, count + 1);
     file->at = ARENA_ARRAY(arena, size_t, count + 1);
     for (int i = 0; i <= used; i++) {
-        Part *part = &scan->parts[i];
-        if (part->count == 0) continue;
-        memcpy(file->entity + file->record_count, part->entity, (size_t)part->count * sizeof(int));
-        memcpy(file->type + file->record_count, part->type, (size_t)part->count * sizeof(uint16_t));
-        memcpy(file->at + file->record_count, part->at, (size_t)part->count * sizeof(size_t));
-        file->record_count += part->count;
-        arena_free(&part->arena);
+        scan->parts[i].first = file->record_count;
+        file->record_count += scan->parts[i].count;
     }
-    index_entities(file, largest, arena);
+    begin_index(file, largest, arena);
+    Joining joining = {file, scan->parts};
+    parallel_for(threads, used + 1, join_part, &joining);
     return true;
 }
 
@@ -448,7 +474,7 @@ bool step_read(const char *path, Bytes content, const StepTypes *types, int thre
         from = to;
     }
     parallel_for(parallel_threads(threads), count, scan_part, &scan);
-    bool good = join_parts(out, &scan, count, arena, error);
+    bool good = join_parts(out, &scan, count, parallel_threads(threads), arena, error);
     for (int i = 0; i < count; i++) arena_free(&scan.parts[i].arena);
     arena_free(&scratch);
     return good;

@@ -445,7 +445,7 @@ bool ifc_curved_face(Reader *r, int record, const FaceRings *rings, bool same_se
     int *size, *index, *piece, total = 0, before = out->face_count;
     if (rings->ring_count == 0 || !read_surface(r, record, rings->count, &s)) return false;
     int count = flat_rings(r, &s, rings, &points, &size, &same_sense);
-    if (count == 0) return false;
+    if (count <= 0) return false;
     for (int i = 0; i < count; i++) total += size[i];
     Vec2 *all = memcpy(ARENA_ARRAY(&r->scratch, Vec2, total + 1), points, (size_t)total * sizeof(Vec2));
     int *all_size = memcpy(ARENA_ARRAY(&r->scratch, int, count), size, (size_t)count * sizeof(int));

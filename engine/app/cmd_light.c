@@ -85,7 +85,7 @@ static const OptionTable OPTIONS = OPTION_TABLE(
     "the "
     "room reach, and the level of EN 17037 that they meet. The table is CSV. Light is baked as `bake` does "
     "by "
-    "itself, and not stored. Points inside furniture do not count.",
+    "itself, on smaller elements, and not stored. Points inside furniture do not count.",
     ROWS);
 
 // ---- the table

@@ -393,14 +393,15 @@ bool ifc_face_set(Reader *r, int record, Shape *out) {
     const StepValue *closed = &v[polygons ? 1 : 2], *faces = &v[polygons ? 2 : 3], *pn = &v[polygons ? 3 : 4];
     if (pn->kind == STEP_LIST && type != T_TRIANGULATEDIRREGULARNETWORK) read_pn(r, pn, &set);
     bool good = polygons ? polygonal(r, faces, &set, out) : triangulated(r, record, faces, &set, out);
-    bool told = closed->kind == STEP_ENUM;
+    bool told = closed->kind == STEP_ENUM,
+         sheet = type == T_TRIANGULATEDIRREGULARNETWORK || (told && ifc_is(r, closed, "F"));
     // Faces that should enclose a body and do not may just have contradictory sides.
-    if (type != T_TRIANGULATEDIRREGULARNETWORK && !(told && ifc_is(r, closed, "F")) && !is_closed(out)) {
+    if (!sheet && !is_closed(out)) {
         int *first = ARENA_ARRAY(&r->scratch, int, out->face_count + 1);
         for (int i = 0; i < out->face_count; i++) first[i] = i;
         shape_orient(&r->scratch, out, first, out->face_count, NULL, 0);
     }
-    out->solid = type != T_TRIANGULATEDIRREGULARNETWORK && (told ? !ifc_is(r, closed, "F") : is_closed(out));
+    out->solid = !sheet && (told || is_closed(out));
     if (out->solid && shape_volume(out) < 0) shape_flip(out);
     return good;
 }

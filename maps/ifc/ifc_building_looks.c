@@ -34,19 +34,11 @@ static bool is_glass(const char *name) {
     return false;
 }
 
-static const char *last_part(const char *path) {
-    const char *at = path;
-    for (const char *c = path; *c; c++)
-        if (*c == '/' || *c == '\\') at = c + 1;
-    return at;
-}
-
 // The building's texture of a picture, decoded once; 0: it cannot be used, which is noted.
 static int picture_of(IfcPlan *p, int texture) {
     const IfcTexture *t = &p->model->textures[texture];
     if (p->texture[texture] >= 0) return p->texture[texture];
-    const char *name =
-        t->file ? arena_string(p->arena, last_part(t->file)) : arena_format(p->arena, "#%d", t->entity);
+    const char *name = t->file ? arena_string(p->arena, t->file) : arena_format(p->arena, "#%d", t->entity);
     Bytes image = t->image;
     Error why = {""};
     int made = 0;

@@ -87,6 +87,7 @@ typedef struct Reader {
 
 enum {
     IFC_VISITS = 16,            // visits of items, profiles and curves that count as a polygon
+    IFC_POINTS = 64,            // points of lists that count as a polygon
     IFC_WORK = 2000,            // corners looked at by booleans that count as one
     IFC_DEEPEST = 40,           // items within items, placements in placements
     IFC_LONGEST_CHAIN = 10000,  // booleans whose first operand is a boolean
@@ -205,6 +206,7 @@ void ifc_representation(Reader *r, int record, const Frame *frame, int material,
 // The material of an item by its style, or -1.
 int ifc_style_of(const Reader *r, int record);
 void ifc_count_polygons(Reader *r, int count);
+void ifc_count_points(Reader *r, int count);  // of a list, which many items may read anew
 bool ifc_too_many(const Reader *r);
 // Enters an item, a profile or a curve that may contain others; false where there are too many within each other, which is noted.
 // Every call that returns true wants an ifc_leave.

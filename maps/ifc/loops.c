@@ -4,8 +4,9 @@
 
 #include "maps/ifc/ifc_file.h"
 
-// Outlines of more points are taken as they are: each point is held against each edge.
-enum { MOST_POINTS = 1000 };
+// Outlines of more points, or of more pieces of edges, are taken as they are: each point is held against each edge, and each piece against
+// each other one.
+enum { MOST_POINTS = 1000, MOST_WAYS = 4000 };
 
 // A directed edge between two places of the outline.
 typedef struct Way {
@@ -46,12 +47,12 @@ static int compare_stops(const void *a, const void *b) {
     return p->along < q->along ? -1 : p->along > q->along;
 }
 
-// The outline's edges, each in the pieces between the places that it touches.
+// The outline's edges, each in the pieces between the places that it touches; no more than MOST_WAYS of them and those of one edge.
 static int split_edges(Reader *r, const Curve *ring, const int *place, Way **out) {
     Way *ways = NULL;
     int count = 0, room = 0;
     Stop *stops = ARENA_ARRAY(&r->scratch, Stop, ring->count + 1);
-    for (int k = 0; k < ring->count; k++) {
+    for (int k = 0; k < ring->count && count <= MOST_WAYS; k++) {
         int next = (k + 1) % ring->count, stop_count = 0, last = place[k];
         for (int i = 0; i < ring->count; i++) {
             double along =
@@ -74,6 +75,7 @@ int ifc_loops(Reader *r, const Curve *ring, Curve **out) {
     if (ring->count > MOST_POINTS || !merge_points(ring, place)) return 0;
     Way *ways;
     int way_count = split_edges(r, ring, place, &ways);
+    if (way_count > MOST_WAYS) return 0;
     for (int i = 0; i < way_count; i++)
         for (int k = 0; k < i && !ways[i].gone; k++)
             if (!ways[k].gone && ways[k].from == ways[i].to && ways[k].to == ways[i].from)

@@ -95,7 +95,6 @@ void shape_orient(Arena *arena, Shape *shape, const int *first, int group_count,
     join_along(groups, edges, count);
     // All that hangs together can be turned in two ways: the one that turns fewer polygons.
     long long *turned = ARENA_ARRAY(arena, long long, group_count + 1);
-    memset(turned, 0, (size_t)group_count * sizeof *turned);
     bool against;
     for (int pass = 0; pass < 2; pass++) {
         for (int g = 0; g < group_count; g++) {

@@ -138,6 +138,7 @@ static void indexed_places(Reader *r, const StepValue v[4], const Frame *transfo
         step_numbers(&c, &s, st, 2);
         *ARENA_PUSH(&r->scratch, out->at, out->count, room) = picture_place(transform, st);
     }
+    ifc_count_points(r, out->count);
     c = ifc_list(r, &v[3]);
     for (StepValue t = step_next(&c); t.kind != STEP_END; t = step_next(&c)) {
         double index[3] = {0, 0, 0};

@@ -87,6 +87,8 @@ void ifc_count_polygons(Reader *r, int count) {
     __atomic_fetch_add(r->file->polygons, count + 1ll, __ATOMIC_RELAXED);
 }
 
+void ifc_count_points(Reader *r, int count) { ifc_count_polygons(r, count / IFC_POINTS); }
+
 bool ifc_too_many(const Reader *r) {
     return __atomic_load_n(r->file->polygons, __ATOMIC_RELAXED) > r->file->most_polygons;
 }
@@ -274,6 +276,7 @@ int ifc_point_list(Reader *r, int record, Vec3 **out) {
         step_numbers(&c, &v, p, 3);
         *ARENA_PUSH(&r->scratch, *out, count, room) = vec3_scale(vec3(p[0], p[1], p[2]), r->file->length);
     }
+    ifc_count_points(r, count);
     return count;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "engine/core/text.h"
 #include "maps/ifc/step.h"
 #include "tests/maps/ifc/ifc_fixture.h"
 #include "tests/support/support.h"
@@ -210,6 +211,44 @@ Test(ifc, faults_of_text) {
 }
 
 // A list in a list, a million times: in an argument that is read, in one that is passed over, and without an end.
+// A list of points that many items read anew costs as much as one as long, and is no way to make a small file take minutes.
+Test(ifc, shared_points) {
+    enum { POINTS = 100000, ITEMS = 400 };
+    Arena arena = {0};
+    Text text = {.arena = &arena};
+    text_append(&text, "#100=IFCSHELLBASEDSURFACEMODEL(());#101=IFCCARTESIANPOINTLIST3D((");
+    for (int i = 0; i < POINTS; i++) text_append(&text, "%s(%d.,%d.,1.)", i ? "," : "", i % 7, i % 5);
+    text_append(&text, "));\n");
+    for (int i = 0, e = 1000; i < ITEMS; i++, e += 4)
+        text_append(&text,
+                    "#%d=IFCWALL('w',$,'W',$,$,#20,#%d,$,$);#%d=IFCPRODUCTDEFINITIONSHAPE($,$,(#%d));"
+                    "#%d=IFCSHAPEREPRESENTATION($,'Body','Tessellation',(#%d));"
+                    "#%d=IFCTRIANGULATEDFACESET(#101,$,.F.,((1,2,9)),$);\n",
+                    e, e + 1, e + 1, e + 2, e + 2, e + 3, e + 3);
+    ifc_refuse(ifc_text(&arena, text.data), "polygons (the limit for");
+    arena_free(&arena);
+}
+
+// The first of several entities of one number counts, also where threads read them at once: a comment keeps them in parts of their own.
+Test(ifc, one_number_twice) {
+    enum { APART = 9 << 20 };
+    Arena arena = {0};
+    char *comment = arena_alloc(&arena, APART + 1, 1);
+    memset(comment, ' ', APART);
+    const char *text = ifc_text(
+        &arena, arena_format(&arena,
+                             "#100=IFCBLOCK(#11,1.,1.,1.);\n/*%s*/\n#300=IFCWALL('a',$,'a',$,$,#20,$,$,$);\n"
+                             "#100=IFCBLOCK(#11,2.,2.,2.);\n#301=IFCWALL('b',$,'b',$,$,#20,$,$,$);\n",
+                             comment));
+    for (int threads = 1; threads <= 2; threads++) {
+        IfcModel m;
+        ifc_accept(&arena, text, threads, &m);
+        cr_assert_eq(m.product_count, 3);
+        cr_expect_float_eq(ifc_volume(&m.products[0].mesh), 1, 1e-12, "%d threads", threads);
+    }
+    arena_free(&arena);
+}
+
 Test(ifc, nested_lists) {
     enum { DEEP = 1000000 };
     Arena arena = {0};

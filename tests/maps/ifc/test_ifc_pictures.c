@@ -121,9 +121,10 @@ Test(ifc_pictures, face) {
     arena_free(&arena);
 }
 
+static const uint8_t RED[16] = {255, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255};
+
 // A table in a house, whose top has a picture: a PNG beside the model, or within it as digits.
 static void read_table(Arena *arena, const char *texture, bool beside, Building *b) {
-    static const uint8_t PIXEL[16] = {255, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255};
     House h = house_two_rooms(arena, false, vec2(0, 0), 0, true);
     text_append(&h.text,
                 "#9100=IFCSHAPEREPRESENTATION(#5,'Body','Tessellation',(#101010));\n"
@@ -137,7 +138,7 @@ static void read_table(Arena *arena, const char *texture, bool beside, Building 
                 "#9111=IFCSURFACESTYLEWITHTEXTURES((#9110));\n#9112=IFCSURFACESTYLE('top',.BOTH.,(#9111));\n"
                 "#9113=IFCSTYLEDITEM(#101010,(#9112),$);\n#9110=%s;\n",
                 h.placed, h.storeys[0], texture);
-    Bytes file = house_end(&h), png = support_png(arena, 2, 2, PIXEL);
+    Bytes file = house_end(&h), png = support_png(arena, 2, 2, RED);
     char *folder = support_folder(arena);
     const char *path = arena_format(arena, "%s/table.ifc", folder);
     Error error;
@@ -182,10 +183,9 @@ Test(ifc_pictures, beside) {
 }
 
 Test(ifc_pictures, within) {
-    static const uint8_t PIXEL[16] = {255, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255};
     Arena arena = {0};
     Building b;
-    Bytes png = support_png(&arena, 2, 2, PIXEL);
+    Bytes png = support_png(&arena, 2, 2, RED);
     Text digits = {.arena = &arena};
     for (size_t i = 0; i < png.size; i++) text_append(&digits, "%02X", png.data[i]);
     read_table(&arena, arena_format(&arena, "IFCBLOBTEXTURE(.T.,.T.,$,$,$,'PNG',\"0%s\")", digits.data),

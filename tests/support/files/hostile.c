@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double TURN = 6.283185307179586;
@@ -708,6 +709,29 @@ static void home_corners(FILE *f, int count, Random *random) {
     end_home(f);
 }
 
+// The outline of a wall, whose corners lie along a line in any order: nearly each edge runs along many others.
+static void ifc_outline(FILE *file, int count, Random *random) {
+    int *x = calloc((size_t)count, sizeof *x);
+    for (int i = 0; i < count; i++) {
+        int k = random_index(random, i + 1);
+        x[i] = x[k];
+        x[k] = i;
+    }
+    fputs(
+        "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\nENDSEC;\nDATA;\n"
+        "#1=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n#2=IFCUNITASSIGNMENT((#1));\n"
+        "#3=IFCPROJECT('p',$,'P',$,$,$,$,$,#2);\n#4=IFCCARTESIANPOINT((0.,0.,0.));\n"
+        "#5=IFCAXIS2PLACEMENT3D(#4,$,$);\n#6=IFCDIRECTION((0.,0.,1.));\n#7=IFCLOCALPLACEMENT($,#5);\n"
+        "#8=IFCWALL('w',$,'W',$,$,#7,#9,$,$);\n#9=IFCPRODUCTDEFINITIONSHAPE($,$,(#10));\n"
+        "#10=IFCSHAPEREPRESENTATION($,'Body','SweptSolid',(#11));\n#11=IFCEXTRUDEDAREASOLID(#12,#5,#6,2.);\n"
+        "#12=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#13);\n#13=IFCINDEXEDPOLYCURVE(#14,$,.F.);\n"
+        "#14=IFCCARTESIANPOINTLIST2D((",
+        file);
+    for (int i = 0; i < count; i++) fprintf(file, "(%d.%02d,0.),", x[i] / 100, x[i] % 100);
+    fputs("(5.,7.),(2.,6.)));\nENDSEC;\nEND-ISO-10303-21;\n", file);
+    free(x);
+}
+
 const HostileKind HOSTILE_KINDS[] = {
     {"inlays", ".plan", 2000, true, inlays, 0, -1},
     {"inlays-apart", ".plan", 10000, false, inlays_apart, 0, 0},
@@ -759,6 +783,7 @@ const HostileKind HOSTILE_KINDS[] = {
     {"prt-enfilade", ".prt", 8000, false, prt_enfilade, 0, -1},
     {"prt-grid", ".prt", 6000, false, prt_grid, 0, -1},
     {"prt-alone", ".prt", 65536, false, prt_alone, 0, -1},
+    {"ifc-outline", ".ifc", 980, false, ifc_outline, 245, 5},
     {"home-arcs", ".xml", 3000, false, home_arcs, 0, -1},
     {"home-arcs-apart", ".xml", 5000, false, home_arcs_apart, 0, -1},
     {"home-walls", ".xml", 2000, false, home_walls, 0, -1},

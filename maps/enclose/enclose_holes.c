@@ -24,6 +24,12 @@ static const double IMPLICIT_REACH = 300;
 static const double SILL_SLACK = 20;
 // Openings narrower or lower than this are dropped, mm.
 static const double LEAST_SIZE = 10;
+// Each half of a door is at least this deep, mm.
+static const double LEAST_HALF = 5;
+// Polygons of a leaf lie along its opening where the cosine between their normals is at least this.
+static const double ALONG_LEAF = 0.9;
+// Polygons of a leaf within this depth are one sheet, mm; one with less than this share of the largest sheet's area is none.
+static const double SHEET_DEPTH = 1, SHEET_SHARE = 0.25;
 // The end of a wall that stands this near beside an opening was meant to reach it, mm; nobody passes through a gap of a hand's width.
 static const double WIDEST_SLIT = 100;
 // Gaps up to this are noise of the grid, which slivers take (enclose_cover.c), mm.
@@ -243,7 +249,69 @@ static bool fit_heights(Enclosure *e, const SketchOpening *o, Hole *h) {
     return h->head - h->sill >= LEAST_SIZE && 2 * h->half >= LEAST_SIZE;
 }
 
-static void fit(Enclosure *e, int i) {
+// A polygon of a leaf that lies along its opening: where across it, and how large.
+typedef struct LeafSheet {
+    double place, area;
+} LeafSheet;
+
+static int by_sheet_place(const void *pa, const void *pb) {
+    double a = ((const LeafSheet *)pa)->place, b = ((const LeafSheet *)pb)->place;
+    return (a > b) - (a < b);
+}
+
+// The middle between the two outer sheets of a leaf; handles are no sheets. `sheets` are sorted.
+static double middle_of_sheets(const LeafSheet *sheets, int count) {
+    double greatest = 0, first = INFINITY, last = -INFINITY;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = 0, end; i < count; i = end) {
+            double area = 0;
+            for (end = i; end < count && sheets[end].place - sheets[i].place <= SHEET_DEPTH; end++)
+                area += sheets[end].area;
+            greatest = fmax(greatest, area);
+            if (pass == 0 || area < SHEET_SHARE * greatest) continue;
+            first = fmin(first, sheets[i].place);
+            last = fmax(last, sheets[end - 1].place);
+        }
+    }
+    return (first + last) / 2;
+}
+
+// Where the leaf's middle lies across its opening, mm along the normal from the centre; NAN where none of its polygons lies along the
+// opening.
+static double leaf_place(Enclosure *e, const SketchOpening *o, const Object *leaf) {
+    LeafSheet *sheets = ARENA_ARRAY(e->scratch, LeafSheet, leaf->polygon_count + 1);
+    int count = 0;
+    Vec3 n = vec3(-sin(o->angle), cos(o->angle), 0);
+    for (int p = leaf->first_polygon; p < leaf->first_polygon + leaf->polygon_count; p++) {
+        const Vec3 *v = e->b->vertices + e->b->polygons[p].first_vertex;
+        int corners = e->b->polygons[p].vertex_count;
+        if (fabs(vec3_dot(plane_of_polygon(v, corners).n, n)) < ALONG_LEAF) continue;
+        Vec2 at = vec2_sub(vec2(v[0].x, v[0].y), o->centre);
+        sheets[count++] = (LeafSheet){vec2_dot(at, vec2(n.x, n.y)) * ENCLOSE_MM, polygon_area(v, corners)};
+    }
+    qsort(sheets, (size_t)count, sizeof *sheets, by_sheet_place);
+    return count > 0 ? middle_of_sheets(sheets, count) : NAN;
+}
+
+// Where along its normal each opening closes: in the middle of its leaves, so that no dark gap is left between a leaf and what closes the
+// opening; NAN without leaves. [opening_count]
+static double *find_closing(Enclosure *e) {
+    int openings = e->sketch->opening_count;
+    double *closing = ARENA_ARRAY(e->scratch, double, openings + 1);
+    int *leaves = ARENA_ARRAY(e->scratch, int, openings + 1);
+    for (int i = 0; i < e->b->object_count; i++) {
+        const Object *object = &e->b->objects[i];
+        if (object->leaf < 0 || object->opening < 0) continue;
+        double place = leaf_place(e, &e->sketch->openings[object->opening], object);
+        if (isnan(place)) continue;
+        closing[object->opening] += place;
+        leaves[object->opening]++;
+    }
+    for (int i = 0; i < openings; i++) closing[i] = leaves[i] > 0 ? closing[i] / leaves[i] : NAN;
+    return closing;
+}
+
+static void fit(Enclosure *e, int i, double closing) {
     const SketchOpening *o = &e->sketch->openings[i];
     Hole *h = &e->holes[i];
     *h = (Hole){.opening = -1};
@@ -272,17 +340,18 @@ static void fit(Enclosure *e, int i) {
         extend(e, o, h);
     else
         h->walled = fit_to_implicit(e, o, h, depth);
-    if (h->v1 - h->v0 < LEAST_SIZE) {
+    if (h->v1 - h->v0 < 2 * LEAST_HALF) {
         // The wall is thinner than a door's halves can be, so the box stands out of it.
         double middle = (h->v0 + h->v1) / 2;
-        h->v0 = middle - LEAST_SIZE / 2;
-        h->v1 = middle + LEAST_SIZE / 2;
+        h->v0 = middle - LEAST_HALF;
+        h->v1 = middle + LEAST_HALF;
     }
-    double middle = (h->v0 + h->v1) / 2;
+    double line =
+        isnan(closing) ? (h->v0 + h->v1) / 2 : fmin(fmax(closing, h->v0 + LEAST_HALF), h->v1 - LEAST_HALF);
     Vec2 corners[4] = {from_frame(h, -h->half, h->v0), from_frame(h, h->half, h->v0),
                        from_frame(h, h->half, h->v1), from_frame(h, -h->half, h->v1)};
-    h->line[0] = from_frame(h, -h->half, middle);
-    h->line[1] = from_frame(h, h->half, middle);
+    h->line[0] = from_frame(h, -h->half, line);
+    h->line[1] = from_frame(h, h->half, line);
     h->box = shape_of_points(e->scratch, corners, 4);
     h->used = true;
 }
@@ -298,8 +367,9 @@ static void index_holes(Enclosure *e) {
 }
 
 void holes_fit(Enclosure *e) {
+    const double *closing = find_closing(e);
     for (int i = 0; i < e->sketch->opening_count; i++) {
-        fit(e, i);
+        fit(e, i, closing[i]);
         for (int k = 0; e->holes[i].used && k < 4; k++) {
             Vec2 p = e->holes[i].box.points[k];
             double out = MAPS_OUTDOORS * ENCLOSE_MM / 2;  // wide doors still keep clear of the world's edge

@@ -34,6 +34,10 @@ static const double WAY_HALF = 0.6, WAY_LOW = 0.2, WAY_HIGH = 0.7;
 // A part that stands out of the wall by this share of the width is a leaf drawn open.
 static const double OPEN_DEPTH = 0.3;
 static const double THICKEST_LEAF = 0.08, THINNEST_LEAF = 0.02;
+// A part of a door this near to the side or the head of its opening is at the border, metres.
+static const double BORDER = 0.01;
+// Polygons are a closed surface where integrals along their outlines add up to less than this share of what they are each by itself.
+static const double CLOSED = 1e-6;
 // A leaf of which this share is transparent is glazed.
 static const double GLAZED_SHARE = 0.05;
 // A thin part of a window in its middle is its pane: metres.
@@ -221,54 +225,123 @@ static void find_cutout(IfcPlan *p, const IfcProduct *body, const IfcHole *h, Sk
 
 typedef struct Corner {
     Vec3 at;
-    int index;
+    int apart, index;
 } Corner;
 
-static int by_place(const void *pa, const void *pb) {
-    const Vec3 *a = &((const Corner *)pa)->at, *b = &((const Corner *)pb)->at;
+static int by_number_and_place(const void *pa, const void *pb) {
+    const Corner *one = pa, *other = pb;
+    const Vec3 *a = &one->at, *b = &other->at;
+    if (one->apart != other->apart) return one->apart < other->apart ? -1 : 1;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     if (a->y != b->y) return a->y < b->y ? -1 : 1;
     return (a->z > b->z) - (a->z < b->z);
 }
 
-// The part of a mesh to which each polygon belongs, by places that polygons share: [polygon_count].
-static int *part_of_polygons(IfcPlan *p, const IfcMesh *mesh) {
+// The integral of a cubic vector field along a polygon's outline. Over a closed surface the integrals add up to 0, however its polygons'
+// sides are divided, since each stretch is passed once in either direction (Stokes); over a part of it they do not.
+static double outline_integral(const Vec3 *v, int count, Vec3 from) {
+    const double gauss = 0.5 / sqrt(3);
+    double sum = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 a = vec3_sub(v[i], from), along = vec3_sub(v[(i + 1) % count], v[i]);
+        for (int k = 0; k < 2; k++) {  // two places are exact for a cubic (Gauss)
+            Vec3 p = vec3_add(a, vec3_scale(along, k == 0 ? 0.5 - gauss : 0.5 + gauss));
+            Vec3 field = vec3(p.z * (p.y * p.y + p.z * p.z / 3), p.x * (p.z * p.z + p.x * p.x / 3),
+                              p.y * (p.x * p.x + p.y * p.y / 3));
+            sum += vec3_dot(field, along) / 2;
+        }
+    }
+    return sum;
+}
+
+// The number of the solid of each polygon: a solid ends where the polygons since its first one are a closed surface. [polygon_count]
+static int *solid_of_polygons(IfcPlan *p, const IfcMesh *mesh) {
+    int *solid = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1), solids = 0;
+    double sum = 0, all = 0;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        const IfcPolygon *polygon = &mesh->polygons[i];
+        double integral =
+            outline_integral(mesh->corners + polygon->first_corner, polygon->corner_count, mesh->corners[0]);
+        sum += integral;
+        all += fabs(integral);
+        solid[i] = solids;
+        if (fabs(sum) > CLOSED * all) continue;
+        sum = all = 0;
+        solids++;
+    }
+    return solid;
+}
+
+// The part of a mesh to which each polygon belongs, by places that polygons share. Polygons whose numbers in `apart` differ share none;
+// NULL: all are one number. [polygon_count]
+static int *part_of_polygons(IfcPlan *p, const IfcMesh *mesh, const int *apart) {
     int *parent = ARENA_ARRAY(&p->scratch, int, mesh->corner_count + 1),
         *part = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
     Corner *corners = ARENA_ARRAY(&p->scratch, Corner, mesh->corner_count + 1);
-    for (int i = 0; i < mesh->corner_count; i++) {
-        parent[i] = i;
-        // Copies of a corner differ by rounding.
-        Vec3 c = mesh->corners[i];
-        corners[i] = (Corner){vec3(rint(c.x * 1e5), rint(c.y * 1e5), rint(c.z * 1e5)), i};
+    int count = 0;
+    for (int i = 0; i < mesh->corner_count; i++) parent[i] = i;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        for (int k = 0; k < mesh->polygons[i].corner_count; k++) {
+            // Copies of a corner differ by rounding.
+            int at = mesh->polygons[i].first_corner + k;
+            Vec3 c = vec3_scale(mesh->corners[at], 1e5);
+            corners[count++] = (Corner){vec3(rint(c.x), rint(c.y), rint(c.z)), apart ? apart[i] : 0, at};
+            set_unite(parent, mesh->polygons[i].first_corner, at);
+        }
     }
-    qsort(corners, (size_t)mesh->corner_count, sizeof *corners, by_place);
-    for (int i = 1; i < mesh->corner_count; i++)
-        if (vec3_equal(corners[i].at, corners[i - 1].at))
+    qsort(corners, (size_t)count, sizeof *corners, by_number_and_place);
+    for (int i = 1; i < count; i++)
+        if (corners[i].apart == corners[i - 1].apart && vec3_equal(corners[i].at, corners[i - 1].at))
             set_unite(parent, corners[i - 1].index, corners[i].index);
-    for (int i = 0; i < mesh->polygon_count; i++)
-        for (int k = 1; k < mesh->polygons[i].corner_count; k++)
-            set_unite(parent, mesh->polygons[i].first_corner, mesh->polygons[i].first_corner + k);
     for (int i = 0; i < mesh->polygon_count; i++) part[i] = set_find(parent, mesh->polygons[i].first_corner);
     return part;
+}
+
+// Whether a polygon stands in the middle of a door, where a person passes.
+static bool in_the_way(const IfcHole *h, Box polygon) {
+    Vec3 middle = vec3_lerp(polygon.min, polygon.max, 0.5);
+    double height = h->z1 - h->z0, above = middle.z - h->z0;
+    return fabs(middle.x) < WAY_HALF * h->width / 2 && above > WAY_LOW * height && above < WAY_HIGH * height;
+}
+
+// A number for each polygon: 0, or that of the solid of a door's lining, which a leaf may touch: a solid at the border of the opening,
+// where no solid that stands in the way comes so near to the border. [polygon_count]
+static int *linings(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h) {
+    int *solid = solid_of_polygons(p, mesh), *out = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
+    Box *extent = ARENA_ARRAY(&p->scratch, Box, mesh->polygon_count + 1), leaves = box_empty();
+    bool *moves = ARENA_ARRAY(&p->scratch, bool, mesh->polygon_count + 1);
+    double side = h->width / 2 - BORDER;
+    for (int i = 0; i < mesh->polygon_count; i++) extent[i] = box_empty();
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        Box box = polygon_box(h, mesh, i);
+        extent[solid[i]] = box_union(extent[solid[i]], box);
+        moves[solid[i]] = moves[solid[i]] || in_the_way(h, box);
+    }
+    for (int i = 0; i < mesh->polygon_count; i++)
+        if (moves[solid[i]]) leaves = box_union(leaves, extent[solid[i]]);
+    if (box_is_empty(leaves) || leaves.min.x < -side || leaves.max.x > side) return out;
+    for (int i = 0; i < mesh->polygon_count; i++) {
+        Box box = extent[solid[i]];
+        bool border = box.min.x < -side || box.max.x > side || box.max.z > h->z1 - BORDER;
+        out[i] = border && !moves[solid[i]] ? solid[i] + 1 : 0;
+    }
+    return out;
 }
 
 enum { FRAME = -1, OPEN_LEAF = -2 };
 
 // Which leaf each polygon of a door moves with: [polygon_count], FRAME, or OPEN_LEAF where a leaf is drawn open.
 static int *find_leaves(IfcPlan *p, const IfcMesh *mesh, const IfcHole *h, bool two) {
-    int *part = part_of_polygons(p, mesh), *leaf = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
+    int *part = part_of_polygons(p, mesh, linings(p, mesh, h)),
+        *leaf = ARENA_ARRAY(&p->scratch, int, mesh->polygon_count + 1);
     Box *extent = ARENA_ARRAY(&p->scratch, Box, mesh->corner_count + 1);
     bool *moves = ARENA_ARRAY(&p->scratch, bool, mesh->corner_count + 1);
     double height = h->z1 - h->z0;
     for (int i = 0; i < mesh->corner_count; i++) extent[i] = box_empty();
     for (int i = 0; i < mesh->polygon_count; i++) {
         Box box = polygon_box(h, mesh, i);
-        Vec3 middle = vec3_lerp(box.min, box.max, 0.5);
         extent[part[i]] = box_union(extent[part[i]], box);
-        moves[part[i]] =
-            moves[part[i]] || (fabs(middle.x) < WAY_HALF * h->width / 2 &&
-                               middle.z - h->z0 > WAY_LOW * height && middle.z - h->z0 < WAY_HIGH * height);
+        moves[part[i]] = moves[part[i]] || in_the_way(h, box);
     }
     for (int i = 0; i < mesh->polygon_count; i++) {
         Box box = extent[part[i]];
@@ -355,7 +428,7 @@ static void add_window(IfcPlan *p, int opening, const IfcProduct *window) {
     const char *name = p->sketch.openings[opening].name;
     int *mark = ARENA_ARRAY(&p->scratch, int, window->mesh.polygon_count + 1);
     if (!clear) {
-        int *part = part_of_polygons(p, &window->mesh);
+        int *part = part_of_polygons(p, &window->mesh, NULL);
         Box *extent = ARENA_ARRAY(&p->scratch, Box, window->mesh.corner_count + 1);
         for (int i = 0; i < window->mesh.corner_count; i++) extent[i] = box_empty();
         for (int i = 0; i < window->mesh.polygon_count; i++)

@@ -53,6 +53,9 @@ typedef struct Drawn {
     const Sketch *sketch;
     BoxTree rooms, sides;
     int *side_point, *side_next;  // the ends of each side of a wall, in Sketch.points
+    Ring *rings;                  // [region_count] the first ring of each region, before jambs get corners
+    int *opening_region,
+        *next;  // [opening_count], [region_count] the regions of an opening as chains, -1: the end
     BoxHits hits;
     Arena *scratch;
 } Drawn;
@@ -141,29 +144,78 @@ static void push_corner(Arena *arena, Building *b, Vec2 p, int material) {
     *ARENA_PUSH(arena, b->points, b->point_count, b->point_capacity) = p;
 }
 
-// An edge of an opening's outline, with the materials of the sides of walls at its ends, -1: none.
+static void index_openings(Drawn *d, const Building *b) {
+    d->rings = ARENA_ARRAY(d->scratch, Ring, b->region_count + 1);
+    d->opening_region = ARENA_ARRAY(d->scratch, int, b->opening_count + 1);
+    d->next = ARENA_ARRAY(d->scratch, int, b->region_count + 1);
+    for (int i = 0; i < b->opening_count; i++) d->opening_region[i] = -1;
+    for (int i = 0; i < b->region_count; i++) {
+        const Region *r = &b->regions[i];
+        if (r->kind != REGION_OPENING) continue;
+        d->rings[i] = b->rings[r->first_ring];
+        d->next[i] = d->opening_region[r->opening];
+        d->opening_region[r->opening] = i;
+    }
+}
+
+// An edge of an opening's outline. `start` and `end` are those of the whole jamb, of which a door's halves have a part each, with the
+// materials of the sides of the wall there, -1: none.
 typedef struct Jamb {
-    Vec2 from, to;
+    Vec2 from, to, start, end;
     int material, side[2];
     bool across;  // the line of the opening: not on to the room
 } Jamb;
+
+// Where the edge of an opening's outline that begins (`ahead`) or ends at `at` leads along `along`; false where there is none.
+static bool edge_beyond(const Drawn *d, const Building *b, int opening, Vec2 along, bool ahead, Vec2 *at) {
+    for (int k = d->opening_region[opening]; k >= 0; k = d->next[k]) {
+        const Ring *ring = &d->rings[k];
+        for (int i = 0; i < ring->point_count; i++) {
+            Vec2 from = b->points[ring->first_point + i],
+                 to = b->points[ring->first_point + (i + 1) % ring->point_count], way = vec2_sub(to, from);
+            if (!vec2_equal(ahead ? from : to, *at) || !(vec2_dot(way, along) > 0)) continue;
+            if (fabs(vec2_cross(way, along)) > ON_SIDE * vec2_length(along)) continue;
+            *at = ahead ? to : from;
+            return true;
+        }
+    }
+    return false;
+}
+
+// The end of a jamb: outlines have corners where its material changes, and doors have a half for either side.
+static Vec2 jamb_end(const Drawn *d, const Building *b, int opening, Vec2 from, Vec2 to) {
+    Vec2 along = vec2_sub(to, from);
+    while (edge_beyond(d, b, opening, along, true, &to)) continue;
+    return to;
+}
+
+static Vec2 jamb_start(const Drawn *d, const Building *b, int opening, Vec2 from, Vec2 to) {
+    Vec2 along = vec2_sub(to, from);
+    while (edge_beyond(d, b, opening, along, false, &from)) continue;
+    return from;
+}
 
 static Jamb jamb_of(Drawn *d, const Building *b, const Region *r, int i) {
     const Ring *ring = &b->rings[r->first_ring];
     const Vec2 *line = b->openings[r->opening].line;
     int first = ring->first_point, next = first + (i + 1) % ring->point_count;
     Vec2 axis = vec2_sub(line[1], line[0]);
-    Jamb j = {b->points[first + i], b->points[next], b->edge_material[first + i], {-1, -1}, false};
+    Jamb j = {.from = b->points[first + i],
+              .to = b->points[next],
+              .material = b->edge_material[first + i],
+              .side = {-1, -1}};
     Vec2 along = vec2_sub(j.to, j.from);
     j.across = fabs(vec2_cross(axis, along)) > fabs(vec2_dot(axis, along));
     if (!j.across) return j;
-    j.side[0] = side_at(d, r->storey, j.from, axis);
-    j.side[1] = side_at(d, r->storey, j.to, axis);
+    j.start = jamb_start(d, b, r->opening, j.from, j.to);
+    j.end = jamb_end(d, b, r->opening, j.from, j.to);
+    j.side[0] = side_at(d, r->storey, j.start, axis);
+    j.side[1] = side_at(d, r->storey, j.end, axis);
     return j;
 }
 
-// Each half of a jamb has the picture of its side. A door's regions are such halves; a window's outline gets a corner in the middle.
-// Seen from the free space an edge's end is to the left.
+// Each half of a jamb has the picture of its side: outlines get a corner in the middle. A door closes where its leaf is, which need not be
+// there. Seen from the free space an edge's end is to the left.
 static void begin_jambs(Drawn *d, Arena *arena, Building *b, const Region *r) {
     const Sketch *k = d->sketch;
     Ring *ring = &b->rings[r->first_ring];
@@ -180,15 +232,18 @@ static void begin_jambs(Drawn *d, Arena *arena, Building *b, const Region *r) {
     if (!changed) return;
     for (int i = 0; i < ring->point_count; i++) {
         const Jamb *j = &jambs[i];
-        Vec2 middle = vec2_scale(vec2_add(j->from, j->to), 0.5);
         bool whole = !j->across || j->side[0] < 0 || j->side[1] < 0;
+        Vec2 middle = vec2_scale(vec2_add(j->start, j->end), 0.5), along = vec2_sub(j->to, j->from);
         middle = vec2(maps_snap(middle.x), maps_snap(middle.y));
-        int material = whole ? j->material : j->side[0];
+        bool begins = whole || vec2_dot(vec2_sub(middle, j->from), along) > 0,
+             goes_on = !whole && vec2_dot(vec2_sub(j->to, middle), along) > 0;
         Sh3dFrame near = sh3d_frame_from(whole ? j->to : middle, j->from),
-                  far = sh3d_frame_from(j->to, middle);
+                  far = sh3d_frame_from(j->end, middle);
+        int material = whole ? j->material : j->side[0];
         if (j->across) material = sh3d_begun_anew(arena, b, k, material, &near);
-        push_corner(arena, b, j->from, material);
-        if (!whole) push_corner(arena, b, middle, sh3d_begun_anew(arena, b, k, j->side[1], &far));
+        if (begins) push_corner(arena, b, j->from, material);
+        if (goes_on)
+            push_corner(arena, b, begins ? middle : j->from, sh3d_begun_anew(arena, b, k, j->side[1], &far));
     }
     *ring = (Ring){first, b->point_count - first};
 }
@@ -239,6 +294,7 @@ void sh3d_finish_edges(const Sketch *k, Arena *arena, Building *b) {
     Drawn d = {.sketch = k, .scratch = &scratch};
     index_rooms(&d);
     index_sides(&d);
+    index_openings(&d, b);
     for (int i = 0; i < b->region_count; i++) {
         Region *r = &b->regions[i];
         if (r->kind == REGION_SHAFT) paint_stairwell(&d, arena, b, r);

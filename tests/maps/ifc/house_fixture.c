@@ -182,6 +182,17 @@ static void fill(House *h, int hole, int made) {
     add(h, "IFCRELCONTAINEDINSPATIALSTRUCTURE('%s',$,$,$,(#%d),#%d)", guid(h), made, h->storeys[0]);
 }
 
+static int add_door(House *h, int hole, const char *name, int body, int place, double width, double height,
+                    const char *operation) {
+    int made = add(h, "IFCDOOR('%s',$,'%s',$,$,#%d,#%d,$,%.9f,%.9f)", guid(h), name, place, body,
+                   height * h->metre, width * h->metre);
+    int style =
+        add(h, "IFCDOORSTYLE('%s',$,'style',$,$,$,$,$,.%s.,.NOTDEFINED.,.F.,.F.)", guid(h), operation);
+    add(h, "IFCRELDEFINESBYTYPE('%s',$,$,$,(#%d),#%d)", guid(h), made, style);
+    fill(h, hole, made);
+    return made;
+}
+
 int house_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, double width, double height,
                const char *operation) {
     // A lining of two posts, and a leaf or two between them.
@@ -192,14 +203,18 @@ int house_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, dou
         second = two ? solid(h, vec3(width / 2, -0.02, 0.01), vec3(width - 0.06, 0.02, height - 0.02)) : leaf;
     const char *items = arena_format(h->arena, "#%d,#%d,#%d", post, other, leaf);
     int body = shape_of(h, two ? arena_format(h->arena, "%s,#%d", items, second) : items, "SweptSolid");
-    int place = turned_place(h, hinge, along);
-    int made = add(h, "IFCDOOR('%s',$,'%s',$,$,#%d,#%d,$,%.9f,%.9f)", guid(h), name, place, body,
-                   height * h->metre, width * h->metre);
-    int style =
-        add(h, "IFCDOORSTYLE('%s',$,'style',$,$,$,$,$,.%s.,.NOTDEFINED.,.F.,.F.)", guid(h), operation);
-    add(h, "IFCRELDEFINESBYTYPE('%s',$,$,$,(#%d),#%d)", guid(h), made, style);
-    fill(h, hole, made);
-    return made;
+    return add_door(h, hole, name, body, turned_place(h, hinge, along), width, height, operation);
+}
+
+int house_tight_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, double width,
+                     double height) {
+    int post = solid(h, vec3(0, -0.05, 0), vec3(0.05, 0.05, height)),
+        other = solid(h, vec3(width - 0.05, -0.05, 0), vec3(width, 0.05, height)),
+        leaf = solid(h, vec3(0.05, 0.01, 0), vec3(width - 0.05, 0.05, height)),
+        handle = solid(h, vec3(width - 0.2, -0.04, 1), vec3(width - 0.1, 0.01, 1.02));
+    int body =
+        shape_of(h, arena_format(h->arena, "#%d,#%d,#%d,#%d", post, other, leaf, handle), "SweptSolid");
+    return add_door(h, hole, name, body, turned_place(h, hinge, along), width, height, "SINGLE_SWING_LEFT");
 }
 
 int house_window(House *h, int hole, const char *name, Vec3 low, Vec2 along, double width, double height) {

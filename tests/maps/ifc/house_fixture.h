@@ -35,6 +35,9 @@ int house_hole(House *h, int host, Vec3 low, Vec3 high);
 int house_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, double width, double height,
                const char *operation);
 // It has two leaves, which touch in the middle, where the operation begins with DOUBLE.
+// A door whose leaf touches both posts of its lining and is flush with their left face, 4 cm thick, with a handle on the other side.
+int house_tight_door(House *h, int hole, const char *name, Vec3 hinge, Vec2 along, double width,
+                     double height);
 // A window likewise: a frame of four bars, without glass, or one with a pane.
 int house_window(House *h, int hole, const char *name, Vec3 low, Vec2 along, double width, double height);
 Bytes house_end(House *h);

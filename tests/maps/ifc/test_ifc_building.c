@@ -101,6 +101,28 @@ Test(ifc_building, double_and_sliding) {
     arena_free(&arena);
 }
 
+// A leaf that touches its lining moves without it. The door closes within the leaf, wherever that lies in the wall and whatever sticks out
+// of it, so that no dark gap is left between the leaf and what closes the door.
+Test(ifc_building, leaf_touches_its_lining) {
+    Arena arena = {0};
+    Building b;
+    House h = house_begin(&arena, false, vec2(0, 0), 0);
+    int walls[4], ground = house_storey(&h, "ground floor", 0);
+    house_walls(&h, ground, vec3(0, 0, 0), vec3(8, 3, 2.5), walls);
+    house_space(&h, "1", "hall", ground, vec3(0, 0, 0), vec3(8, 3, 2.5));
+    int hole = house_hole(&h, walls[0], vec3(1, -0.3, 0), vec3(2, 0.1, 2.1));
+    house_tight_door(&h, hole, "tight", vec3(1, -0.06, 0), vec2(1, 0), 1, 2.1);
+    house_read(&arena, house_end(&h), &b);
+    const Opening *o = house_opening(&b, "tight");
+    cr_assert_eq(o->leaf_count, 1);
+    double width = vec2_length(vec2_sub(b.leaves[o->first_leaf].axis[1], b.leaves[o->first_leaf].axis[0]));
+    cr_expect_float_eq(width, 0.9, 1e-6, "the posts stay: %g", width);
+    // The leaf reaches from 5 to 1 cm before the wall's inner face; a millimetre is the grid of plans.
+    for (int end = 0; end < 2; end++)
+        cr_expect_float_eq(o->line[end].y, -0.03, 0.0011, "closes at %g", o->line[end].y);
+    arena_free(&arena);
+}
+
 // A pane without a style of its own is seen through.
 Test(ifc_building, panes_are_glass) {
     Arena arena = {0};

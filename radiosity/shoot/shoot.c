@@ -625,7 +625,8 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
         take_shot(mesh, s->solution, p, s->solution->reflected[p]);
         if (s->again && is_rounding(s->solution, mesh->patches[p].area, s->solution->reflected[p]))
             memset(s->solution->reflected[p], 0, sizeof *s->solution->reflected);
-        if (mesh->patches[p].area >= RAD_SMALL && rgb_sum(s->solution->reflected[p]) > 0) patch[count++] = p;
+        if (!shoot_rows_small(mesh, p, RAD_SMALL) && rgb_sum(s->solution->reflected[p]) > 0)
+            patch[count++] = p;
     }
     bool go_on = gather_patches(s, &g, patch, count, progress);
     if (shoot_rows_settled(s->rows)) {

@@ -40,70 +40,63 @@ typedef struct SkyOpenings {
 // Openings of more corners are not taken.
 enum { SKY_CORNERS = 64 };
 
-// ---- portals of which one side alone is outdoors, cut by a grid in their planes: each piece is seen from, and sees,
-// as from its middle.
+// ---- portals of which one side alone is outdoors, in pieces of equal area: each is seen from, and sees, as from its middle.
 
 // Side of a piece aimed at, metres: small to the distance of objects near a window; and how many pieces there are before
 // they become larger.
 static const double PIECE = 0.2;
 static const double MOST_PIECES = 50000;
+// The fewest pieces of an opening: those of small ones are nearer to the jambs than to anything else.
+enum { FEWEST_PIECES = 8 };
+static const double GOLDEN = 0.6180339887498949;
 
 static bool sky_is_outdoors(const CellGraph *graph, int cell) {
     return vis_region(graph, cell)->kind == REGION_OUTDOORS;
 }
 
-static Vec3 centre_of(const Vec3 *v, int count) {
-    Vec3 sum = {0, 0, 0};
-    double area = 0;
-    for (int i = 1; i + 1 < count; i++) {
-        Vec3 a = vec3_sub(v[i], v[0]), b = vec3_sub(v[i + 1], v[0]);
-        double twice = vec3_length(vec3_cross(a, b));
-        sum = vec3_add(sum, vec3_scale(vec3_add(a, b), twice / 3));
-        area += twice;
-    }
-    return area > 0 ? vec3_add(v[0], vec3_scale(sum, 1 / area)) : v[0];
-}
-
-// The part of a polygon from `low` to `high` along x. `out` has room for count + 2.
-static int strip(const Vec3 *polygon, int count, Vec3 x, double low, double high, Vec3 *out) {
-    Vec3 part[SKY_CORNERS];
-    int left = polygon_clip(polygon, count, (Plane){x, low}, 0, part);
-    return left < 3 ? 0 : polygon_clip(part, left, (Plane){vec3_scale(x, -1), -high}, 0, out);
-}
-
-static void extent(const Vec3 *polygon, int count, Vec3 x, double *low, double *high) {
-    *low = INFINITY, *high = -INFINITY;
-    for (int i = 0; i < count; i++) {
-        *low = fmin(*low, vec3_dot(x, polygon[i]));
-        *high = fmax(*high, vec3_dot(x, polygon[i]));
-    }
-}
-
+// Middles lie in the rectangle about the opening's longest edge: each at a height of its own, and farther to the side than the one below by
+// the golden section of the width, modulo the width. So heights and distances from the jambs are both spread evenly (Kronecker's sequence).
+// Light that depends on one of them alone is right then: where the jambs of a slit hide more from its sides than from its middle, or a
+// parapet covers an opening to some height.
 static void cut_opening(SkyOpenings *out, int opening, double size, Arena *arena, int *capacity) {
     const SkyOpening *o = &out->openings[opening];
-    Vec3 x, y, corner = o->vertices[0], polygon[SKY_CORNERS], column[SKY_CORNERS], piece[SKY_CORNERS];
-    CORE_ASSERT(o->count + 4 < SKY_CORNERS);
-    view_axes(o->plane.n, &x, &y);
-    // About a corner, so that far from the origin no digits are lost.
-    for (int i = 0; i < o->count; i++) polygon[i] = vec3_sub(o->vertices[i], corner);
-    double left, right, low, high;
-    extent(polygon, o->count, x, &left, &right);
-    int columns = (int)fmax(ceil((right - left) / size), 1);
-    for (int i = 0; i < columns; i++) {
-        double from = left + (right - left) * i / columns, to = left + (right - left) * (i + 1) / columns;
-        int in_column = strip(polygon, o->count, x, from, to, column);
-        if (in_column < 3) continue;
-        extent(column, in_column, y, &low, &high);
-        int rows = (int)fmax(ceil((high - low) / size), 1);
-        for (int j = 0; j < rows; j++) {
-            int count = strip(column, in_column, y, low + (high - low) * j / rows,
-                              low + (high - low) * (j + 1) / rows, piece);
-            double area = count < 3 ? 0 : polygon_area(piece, count);
-            if (area < MAPS_SMALLEST_AREA) continue;
-            *ARENA_PUSH(arena, out->pieces, out->piece_count, *capacity) =
-                (SkyPiece){opening, vec3_add(corner, centre_of(piece, count)), area};
-        }
+    const Vec3 *v = o->vertices;
+    Vec3 along = {0, 0, 0}, sum = {0, 0, 0};
+    Vec2 ring[SKY_CORNERS];
+    Box box = box_empty();
+    CORE_ASSERT(o->count <= SKY_CORNERS);
+    double area = polygon_area(v, o->count);
+    if (area < MAPS_SMALLEST_AREA) return;
+    for (int i = 0; i < o->count; i++) {
+        Vec3 edge = vec3_sub(v[(i + 1) % o->count], v[i]);
+        if (vec3_dot(edge, edge) > vec3_dot(along, along)) along = edge;
     }
+    Vec3 y = vec3_normalize(along), x = vec3_cross(y, o->plane.n);
+    if (fabs(x.z) > fabs(y.z)) y = x, x = vec3_cross(y, o->plane.n);
+    // About a corner, so that far from the origin no digits are lost.
+    for (int i = 0; i < o->count; i++) {
+        Vec3 off = vec3_sub(v[i], v[0]);
+        ring[i] = (Vec2){vec3_dot(x, off), vec3_dot(y, off)};
+        box = box_add(box, vec3(ring[i].x, ring[i].y, 0));
+        sum = vec3_add(sum, off);
+    }
+    double width = box.max.x - box.min.x, height = box.max.y - box.min.y;
+    // One more each way than fit.
+    int most = (int)fmax(ceil((width / size + 1) * (height / size + 1)), FEWEST_PIECES);
+    int first = out->piece_count;
+    for (int i = 0; i < most; i++) {
+        double share = 0.5 + (i - (most - 1) / 2.0) * GOLDEN;
+        Vec2 at = {box.min.x + width * (share - floor(share)), box.min.y + height * (i + 0.5) / most};
+        if (!ring_contains(ring, o->count, at)) continue;
+        Vec3 off = vec3_add(vec3_scale(x, at.x), vec3_scale(y, at.y));
+        *ARENA_PUSH(arena, out->pieces, out->piece_count, *capacity) =
+            (SkyPiece){.opening = opening, .centre = vec3_add(v[0], off)};
+    }
+    // All may miss a sliver.
+    if (out->piece_count == first)
+        *ARENA_PUSH(arena, out->pieces, out->piece_count, *capacity) =
+            (SkyPiece){.opening = opening, .centre = vec3_add(v[0], vec3_scale(sum, 1.0 / o->count))};
+    for (int i = first; i < out->piece_count; i++) out->pieces[i].area = area / (out->piece_count - first);
 }
 
 // All openings; of pieces those whose light this part of the building sends in.

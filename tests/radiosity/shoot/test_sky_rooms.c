@@ -107,6 +107,65 @@ Test(sky, key_hole) {
     lit_free(lit);
 }
 
+// A window, and a wall before it outdoors, up to some height.
+typedef struct Window {
+    double width, height, depth, covered;  // metres; depth of the wall
+} Window;
+static const double WINDOW_SILL = 0.8;
+
+// The light of the even sky that comes to the room through a window, W: what squares of its outer outline and of its inner one exchange
+// along lines that fall, less what the pane keeps.
+static double through_window(const Window *w) {
+    enum { SQUARES = 40 };
+    double sum = 0, bare = w->height - w->covered;
+    for (int i = 0; i < SQUARES; i++)
+        for (int j = 0; j < SQUARES; j++)
+            for (int k = 0; k < SQUARES; k++)
+                for (int l = 0; l < SQUARES; l++) {
+                    double across = w->width * (i - j) / SQUARES,
+                           fall = w->covered + bare * (k + 0.5) / SQUARES - w->height * (l + 0.5) / SQUARES;
+                    double far2 = across * across + fall * fall + w->depth * w->depth;
+                    double cosine = w->depth / sqrt(far2), falls = fall > 0 ? 1 : fall == 0 ? 0.5 : 0;
+                    sum += falls * cosine * cosine * glass_transmits(cosine) / far2;
+                }
+    return SKY[1] * sum * w->width * w->width * w->height * bare / pow(SQUARES, 4);
+}
+
+// Proves that a room receives the right light through its window: a window in a thick wall and one in a thin wall, a slit, a hole, and a
+// window that a wall outdoors covers to some height. When the middles of pieces lay on a grid, it was 1.0, 2.4, 13, 11 and 12 % too much.
+// Tolerance: twice the greatest error seen.
+Test(sky, light_that_windows_let_in) {
+    static const Window WINDOWS[] = {
+        {1.2, 1.2, 0.3, 0}, {2, 1.4, 0.1, 0}, {0.14, 1.6, 0.1, 0}, {0.3, 0.3, 0.1, 0}, {1.6, 1.6, 0.1, 0.7}};
+    for (int i = 0; i < (int)(sizeof WINDOWS / sizeof *WINDOWS); i++) {
+        const Window *w = &WINDOWS[i];
+        Arena arena = {0};
+        const char *wall = w->covered > 0 ? "place wall 4,1.5\n" : "";
+        const char *text = arena_format(&arena,
+                                        "room a 0,0 4,0 4,3 0,3 floor oak ceiling white walls white wall %g\n"
+                                        "window w %g,1.5 angle 90 width %g sill %g height %g\n"
+                                        "model wall\n  box %g,-2,0 %g,2,%g white\nend\n%s",
+                                        w->depth, 4 + w->depth / 2, w->width, WINDOW_SILL, w->height,
+                                        w->depth + 0.001, w->depth + 0.1, WINDOW_SILL + w->covered, wall);
+        Lit *lit = read_plan(text, 0.25);
+        RadOptions options = sky_options_of(CULL_STAB, 0);
+        rad_fit(&lit->mesh, &options);
+        RadSolution s = sky_shone(lit, &options);
+        double found = 0, want = through_window(w);
+        for (int e = 0; e < s.element_count; e++) {
+            int cell = lit->mesh.patches[lit->mesh.elements[e].patch].cell;
+            if (cell >= 0 && vis_region(&lit->graph, cell)->kind == REGION_ROOM)
+                found += s.radiosity[e][1] / (double)mesh_reflectance(&lit->mesh, e).g *
+                         lit->mesh.elements[e].area;
+        }
+        printf("%g x %g m in a wall of %g m, covered to %g m: %.5f W, summed %.5f W, %+.2f %% off\n",
+               w->width, w->height, w->depth, w->covered, found, want, 100 * (found / want - 1));
+        cr_expect_lt(fabs(found / want - 1), 0.01);
+        lit_free(lit);
+        arena_free(&arena);
+    }
+}
+
 // Proves that the file remembers the sky, and that a run that was broken off goes on to the same light.
 Test(sky, is_stored_and_resumed) {
     Lit *lit = sky_room_with_window(1.2, 1.3, 0.5);

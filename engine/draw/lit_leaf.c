@@ -115,23 +115,26 @@ static Vec3 polygon_normal(const CellGraph *graph, int polygon, const Leaf *leaf
     return vec3_normalize(vec3_cross(vec3_sub(b, a), vec3_sub(c, a)));
 }
 
-// The cubes on both sides of a leaf, in front of the middle of its box. Where one side is in a wall the other stands in; false where
-// both are.
-static bool find_sides(const LitMesh *lit, const LitLight *light, const Leaf *leaf, double open, Vec3 *across,
+// The cubes so far off a place on both sides. Where one side is in a wall the other stands in; false where both are.
+static bool find_sides(const LitMesh *lit, const LitLight *light, Vec3 place, Vec3 across, double off,
                        AmbientCube cube[SIDES]) {
-    double z = (leaf->z0 + leaf->z1) / 2;
-    Vec3 from = leaf_point(leaf, open, vec3(leaf->axis[0].x, leaf->axis[0].y, z));
-    Vec3 to = leaf_point(leaf, open, vec3(leaf->axis[1].x, leaf->axis[1].y, z));
-    Vec3 along = vec3_normalize(vec3_sub(to, from)), middle = vec3_lerp(from, to, 0.5);
-    *across = vec3(-along.y, along.x, 0);
-    double off = leaf->thickness / 2 + OFF;
     bool there[SIDES];
     for (int s = 0; s < SIDES; s++)
-        there[s] =
-            find_cube(lit, light, vec3_add(middle, vec3_scale(*across, s == 0 ? off : -off)), &cube[s]);
+        there[s] = find_cube(lit, light, vec3_add(place, vec3_scale(across, s == 0 ? off : -off)), &cube[s]);
     for (int s = 0; s < SIDES; s++)
         if (!there[s] && there[1 - s]) cube[s] = cube[1 - s];
     return there[0] || there[1];
+}
+
+// Those in front of the middle of a leaf's box.
+static bool find_leaf_sides(const LitMesh *lit, const LitLight *light, const Leaf *leaf, double open,
+                            Vec3 *across, AmbientCube cube[SIDES]) {
+    double z = (leaf->z0 + leaf->z1) / 2;
+    Vec3 from = leaf_point(leaf, open, vec3(leaf->axis[0].x, leaf->axis[0].y, z));
+    Vec3 to = leaf_point(leaf, open, vec3(leaf->axis[1].x, leaf->axis[1].y, z));
+    Vec3 along = vec3_normalize(vec3_sub(to, from));
+    *across = vec3(-along.y, along.x, 0);
+    return find_sides(lit, light, vec3_lerp(from, to, 0.5), *across, leaf->thickness / 2 + OFF, cube);
 }
 
 bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, double open, float (*out)[3]) {
@@ -145,7 +148,7 @@ bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, doubl
     double share = fmin(moved_by(graph, o, leaf, (double)light->doors[leaf->opening], open) / MOVED, 1);
     AmbientCube cube[SIDES];
     Vec3 across;
-    if (!(share > 1e-6) || !find_sides(lit, light, leaf, open, &across, cube)) return share > 1e-6;
+    if (!(share > 1e-6) || !find_leaf_sides(lit, light, leaf, open, &across, cube)) return share > 1e-6;
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
         if (mesh->face_of[p] < 0) continue;
         const Material *m = mesh_material(mesh, mesh->face_of[p]);
@@ -162,4 +165,32 @@ bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, doubl
         }
     }
     return true;
+}
+
+void lit_plug_light(const LitMesh *lit, const LitLight *light, int object, float (*out)[3]) {
+    const Mesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->graph;
+    const Object *o = &graph->objects[object];
+    int first = lit->first_vertex[o->first_polygon],
+        end = lit->first_vertex[o->first_polygon + o->polygon_count];
+    memcpy(out, light->vertex + first, (size_t)(end - first) * sizeof *out);
+    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+        const Polygon *polygon = &graph->polygons[p];
+        Box box = box_empty();
+        AmbientCube cube[SIDES];
+        if (mesh->face_of[p] < 0) continue;
+        Vec3 n = mesh->faces[mesh->face_of[p]].plane.n;
+        for (int v = 0; v < polygon->vertex_count; v++)
+            box = box_add(box, graph->vertices[polygon->first_vertex + v]);
+        if (!find_sides(lit, light, vec3_lerp(box.min, box.max, 0.5), n, OFF, cube)) continue;
+        const Material *m = mesh_material(mesh, mesh->face_of[p]);
+        const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
+        double irradiance[SIDES][3], emitted[3];
+        for (int s = 0; s < SIDES; s++) cube_at(&cube[s], s == 0 ? n : vec3_scale(n, -1), irradiance[s]);
+        rgb_doubles(m->emission, emitted);
+        for (int v = lit->first_vertex[p]; v < lit->first_vertex[p + 1]; v++)
+            for (int c = 0; c < 3; c++)
+                out[v - first][c] =
+                    (float)(emitted[c] + (double)rho[c] * (irradiance[0][c] + irradiance[1][c]) / 2);
+    }
 }

@@ -9,4 +9,8 @@
 // side, as the walls, floors and ceilings that face the same way have it. Returns whether the leaf stands elsewhere.
 bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, double open, float (*out)[3]);
 
+// The same of the plug of a door that was baked open and is closed now, where it shows beside its leaf: the mean of the light of the rooms
+// on its two sides.
+void lit_plug_light(const LitMesh *lit, const LitLight *light, int object, float (*out)[3]);
+
 #endif

@@ -12,8 +12,10 @@ enum { LIGHTS = 2 };
 struct WalkLit {
     LitMesh *mesh;
     float *share;      // [leaf_count] how far leaves are open; NAN before the first pose and in new light
-    float (*leaf)[3];  // the light of a leaf under way, [vertices of the largest]
-    unsigned *list;    // indices of the frame's triangles
+    float (*leaf)[3];  // the light of a leaf or a plug under way, [vertices of the largest]
+    // The plugs of opening i are the objects plug[first_plug[i]] .. plug[first_plug[i + 1] - 1].
+    int *plug, *first_plug;
+    unsigned *list;          // indices of the frame's triangles
     int end[2 * WALK_RUNS];  // in `list`: where each run of things ends, then of surfaces
     const WalkTextures *textures;
     WalkPicture *picture;                // [vertex_count], or NULL: nothing has a picture
@@ -105,6 +107,19 @@ static void forget_leaves(WalkLit *lit) {
     for (int i = 0; i < lit->mesh->mesh->graph->building->leaf_count; i++) lit->share[i] = NAN;
 }
 
+// Lists the plugs of doors by opening.
+static void find_plugs(WalkLit *lit, Arena *arena) {
+    const CellGraph *graph = lit->mesh->mesh->graph;
+    int openings = graph->building->opening_count, *fill = ARENA_ARRAY(arena, int, openings + 2);
+    for (int o = 0; o < graph->object_count; o++)
+        if (graph->objects[o].plug) fill[graph->objects[o].opening + 2]++;
+    for (int i = 0; i < openings; i++) fill[i + 2] += fill[i + 1];
+    lit->plug = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    for (int o = 0; o < graph->object_count; o++)
+        if (graph->objects[o].plug) lit->plug[fill[graph->objects[o].opening + 1]++] = o;
+    lit->first_plug = fill;
+}
+
 WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena) {
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
     const CellGraph *graph = mesh->mesh->graph;
@@ -115,12 +130,13 @@ WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena)
     int most = 0;
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
-        if (object->leaf < 0) continue;
+        if (object->leaf < 0 && !object->plug) continue;
         int count = mesh->first_vertex[object->first_polygon + object->polygon_count] -
                     mesh->first_vertex[object->first_polygon];
         most = count > most ? count : most;
     }
     lit->leaf = arena_alloc(arena, (size_t)most + 1, sizeof *lit->leaf);
+    find_plugs(lit, arena);
     forget_leaves(lit);
     glGenVertexArrays(1, &lit->array);
     lit->vertex_buffer = make_buffer(vertices * sizeof(LitVertex));
@@ -203,6 +219,17 @@ static void put_place(float out[3], Vec3 p) {
     out[2] = (float)p.z;
 }
 
+// Uploads lit->leaf as the newest light of an object.
+static void put_light(const WalkLit *lit, int object) {
+    const LitMesh *mesh = lit->mesh;
+    const Object *o = &mesh->mesh->graph->objects[object];
+    int first = mesh->first_vertex[o->first_polygon],
+        end = mesh->first_vertex[o->first_polygon + o->polygon_count];
+    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[lit->newest]);
+    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *lit->leaf),
+                    (GLsizeiptr)((size_t)(end - first) * sizeof *lit->leaf), lit->leaf);
+}
+
 static void move_leaf(WalkLit *lit, const LitLight *light, int object, double open) {
     const LitMesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->mesh->graph;
@@ -228,9 +255,16 @@ static void move_leaf(WalkLit *lit, const LitLight *light, int object, double op
                     (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), mesh->vertex + first);
     if (!light || lit->newest < 0) return;
     lit_leaf_light(mesh, light, object, open, lit->leaf);
-    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[lit->newest]);
-    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *lit->leaf),
-                    (GLsizeiptr)((size_t)(end - first) * sizeof *lit->leaf), lit->leaf);
+    put_light(lit, object);
+}
+
+// Lights the plugs of a door that is closed now and was open when it was baked: then they had no light.
+static void light_plugs(WalkLit *lit, const LitLight *light, int opening) {
+    if (!light || lit->newest < 0 || !(light->doors[opening] > 0)) return;
+    for (int i = lit->first_plug[opening]; i < lit->first_plug[opening + 1]; i++) {
+        lit_plug_light(lit->mesh, light, lit->plug[i], lit->leaf);
+        put_light(lit, lit->plug[i]);
+    }
 }
 
 void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) {
@@ -239,7 +273,9 @@ void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) 
         int leaf = lit->mesh->mesh->graph->objects[o].leaf;
         if (leaf < 0) continue;
         float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
-        if (lit->share[leaf] != share) move_leaf(lit, light, o, (double)share);
+        if (lit->share[leaf] == share) continue;
+        move_leaf(lit, light, o, (double)share);
+        if (share == 0) light_plugs(lit, light, b->leaves[leaf].opening);
     }
     for (int i = 0; i < b->leaf_count; i++) lit->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
 }

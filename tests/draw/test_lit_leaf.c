@@ -118,3 +118,24 @@ Test(lit_leaf, open_leaves_have_the_light_of_rooms) {
     }
     close_baked(b);
 }
+
+// Proves that the plug of a door that was baked open has the mean light of both rooms when the door closes: nothing of it is black.
+// Tolerance as above.
+Test(lit_leaf, plugs_have_the_light_of_both_rooms) {
+    Baked *b = open_baked(2, 10);
+    int plugs = 0;
+    for (int o = 0; o < b->graph.object_count; o++) {
+        const Object *object = &b->graph.objects[o];
+        if (!object->plug) continue;
+        int first = b->lit->first_vertex[object->first_polygon],
+            end = b->lit->first_vertex[object->first_polygon + object->polygon_count];
+        memset(b->light.vertex + first, 0, (size_t)(end - first) * sizeof *b->light.vertex);
+        double least, most;
+        lit_plug_light(b->lit, &b->light, o, b->leaf);
+        irradiance_of(b, o, &least, &most);
+        cr_expect(least > 2 * (1 - 1e-4) && most < 10 * (1 + 1e-4), "plug %d: %g to %g", o, least, most);
+        plugs++;
+    }
+    cr_expect_geq(plugs, 1);
+    close_baked(b);
+}

@@ -48,8 +48,8 @@ typedef struct RadOptions {
 } RadOptions;
 // The hemisphere method, culling by stab trees, a residual of a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
-// Patches of things smaller than this, m^2, have the reflected light that was shot to them, not gathered light: homes have tens of thousands
-// of them.
+// Patches of things smaller than this, m^2, have the reflected light that was shot to them, not gathered light: homes have tens of
+// thousands of them.
 #define RAD_SMALL 0.01
 // Memory for rows as fits a mesh and the machine, for rad_fit to replace.
 #define RAD_ROWS_FIT SIZE_MAX

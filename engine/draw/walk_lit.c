@@ -273,11 +273,15 @@ void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) 
         int leaf = lit->mesh->mesh->graph->objects[o].leaf;
         if (leaf < 0) continue;
         float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
-        if (lit->share[leaf] == share) continue;
-        move_leaf(lit, light, o, (double)share);
-        if (share == 0) light_plugs(lit, light, b->leaves[leaf].opening);
+        if (lit->share[leaf] != share) move_leaf(lit, light, o, (double)share);
     }
-    for (int i = 0; i < b->leaf_count; i++) lit->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
+    for (int i = 0; i < b->leaf_count; i++) {
+        int door = b->leaves[i].opening;
+        float share = door_open ? door_open[door] : 1;
+        if (lit->share[i] != share && share == 0 && i == b->openings[door].first_leaf)
+            light_plugs(lit, light, door);
+        lit->share[i] = share;
+    }
 }
 
 static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, const unsigned char *left_out,

@@ -74,14 +74,21 @@ Test(ifc_building, two_rooms) {
     arena_free(&arena);
 }
 
+// A house of one room, 8 x 3 m.
+static House hall(Arena *arena, int walls[4]) {
+    House h = house_begin(arena, false, vec2(0, 0), 0);
+    int ground = house_storey(&h, "ground floor", 0);
+    house_walls(&h, ground, vec3(0, 0, 0), vec3(8, 3, 2.5), walls);
+    house_space(&h, "1", "hall", ground, vec3(0, 0, 0), vec3(8, 3, 2.5));
+    return h;
+}
+
 // Two leaves that touch hang at either end and open to the same side; a sliding one goes aside.
 Test(ifc_building, double_and_sliding) {
     Arena arena = {0};
     Building b;
-    House h = house_begin(&arena, false, vec2(0, 0), 0);
-    int walls[4], ground = house_storey(&h, "ground floor", 0);
-    house_walls(&h, ground, vec3(0, 0, 0), vec3(8, 3, 2.5), walls);
-    house_space(&h, "1", "hall", ground, vec3(0, 0, 0), vec3(8, 3, 2.5));
+    int walls[4];
+    House h = hall(&arena, walls);
     int hole = house_hole(&h, walls[0], vec3(1, -0.3, 0), vec3(3, 0.1, 2.1));
     house_door(&h, hole, "double", vec3(1, -0.1, 0), vec2(1, 0), 2, 2.1, "DOUBLE_DOOR_SINGLE_SWING");
     hole = house_hole(&h, walls[0], vec3(5, -0.3, 0), vec3(6, 0.1, 2.1));
@@ -106,10 +113,8 @@ Test(ifc_building, double_and_sliding) {
 Test(ifc_building, leaf_touches_its_lining) {
     Arena arena = {0};
     Building b;
-    House h = house_begin(&arena, false, vec2(0, 0), 0);
-    int walls[4], ground = house_storey(&h, "ground floor", 0);
-    house_walls(&h, ground, vec3(0, 0, 0), vec3(8, 3, 2.5), walls);
-    house_space(&h, "1", "hall", ground, vec3(0, 0, 0), vec3(8, 3, 2.5));
+    int walls[4];
+    House h = hall(&arena, walls);
     int hole = house_hole(&h, walls[0], vec3(1, -0.3, 0), vec3(2, 0.1, 2.1));
     house_tight_door(&h, hole, "tight", vec3(1, -0.06, 0), vec2(1, 0), 1, 2.1);
     house_read(&arena, house_end(&h), &b);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "engine/core/file.h"
+#include "radiosity/planner/room_light.h"
 
 // How far a point may lie off a face, metres: the rounding error of coordinates written by hand.
 static const double ON_FACE = 1e-4;
@@ -132,6 +133,7 @@ static void set_radiosity(const Mesh *mesh, int face, Probe *probe) {
 void bake_probes_gather(const GatherScene *scene, Probes *probes) {
     Arena scratch = {0};
     GatherOptions options = gather_exact_options();
+    if (daylight_shines(&scene->solution->day)) options.resolution = ROOM_SKY_RESOLUTION;
     Gatherer *gatherer = gatherer_new(scene, &options, &scratch);
     for (int i = 0; i < probes->count; i++) {
         Probe *probe = &probes->probes[i];

@@ -108,7 +108,10 @@ static Off shown_error(Lamps3 *l, int lamp, Vec3 low, Vec3 high) {
         const Material *m = mesh_material(shown, shown->elements[e].face);
         bool inside =
             at.x > low.x && at.x < high.x && at.y > low.y && at.y < high.y && at.z >= 0 && at.z < 2.6;
-        if (!inside || mesh_is_lamp(shown, shown->elements[e].face)) continue;
+        // A plug of an open door has no light and is not drawn.
+        if (!inside || mesh_is_lamp(shown, shown->elements[e].face) ||
+            shown->faces[shown->elements[e].face].hidden)
+            continue;
         PathQuery query = {
             at, shown->faces[shown->elements[e].face].plane.n, 0.01, 0, 20000, (uint64_t)e + 1};
         PathResult truth;

@@ -133,6 +133,7 @@ static void set_radiosity(const Mesh *mesh, int face, Probe *probe) {
 void bake_probes_gather(const GatherScene *scene, Probes *probes) {
     Arena scratch = {0};
     GatherOptions options = gather_exact_options();
+    // Light through a window comes along few directions.
     if (daylight_shines(&scene->solution->day)) options.resolution = ROOM_SKY_RESOLUTION;
     Gatherer *gatherer = gatherer_new(scene, &options, &scratch);
     for (int i = 0; i < probes->count; i++) {

@@ -105,15 +105,13 @@ static Off shown_error(Lamps3 *l, int lamp, Vec3 low, Vec3 high) {
     double off = 0, more = 0, all = 0;
     for (int e = 0; e < shown->element_count; e += 13) {
         Vec3 at = element_centroid(shown, e);
-        const Material *m = mesh_material(shown, shown->elements[e].face);
+        int face = shown->elements[e].face;
+        const Material *m = mesh_material(shown, face);
         bool inside =
             at.x > low.x && at.x < high.x && at.y > low.y && at.y < high.y && at.z >= 0 && at.z < 2.6;
         // A plug of an open door has no light and is not drawn.
-        if (!inside || mesh_is_lamp(shown, shown->elements[e].face) ||
-            shown->faces[shown->elements[e].face].hidden)
-            continue;
-        PathQuery query = {
-            at, shown->faces[shown->elements[e].face].plane.n, 0.01, 0, 20000, (uint64_t)e + 1};
+        if (!inside || mesh_is_lamp(shown, face) || shown->faces[face].hidden) continue;
+        PathQuery query = {at, shown->faces[face].plane.n, 0.01, 0, 20000, (uint64_t)e + 1};
         PathResult truth;
         double here[3], area = shown->elements[e].area;
         path_tracer_irradiance(tracer, &query, 1, 2, &truth);

@@ -660,8 +660,7 @@ static const Option ROWS[] = {
      .at = AT(bake.rad.residual),
      .low = 1e-9,
      .high = 1,
-     .help = "stop when this share of the light is left to shoot, @ (default 0.001; with fewer than 10000 "
-             "patches 0.0003, with fewer than 4000 0.0001)"},
+     .help = "stop when this share of the light is left to shoot, @ (default 0.0001)"},
     {.name = "shots",
      .value = "N",
      .type = OPTION_OTHER,
@@ -691,7 +690,8 @@ static const Option ROWS[] = {
      .at = AT(bake.rad.form_factor.resolution),
      .low = 8,
      .high = 2000,
-     .help = "pixels, lines or rays across, @ (default 48; with fewer patches, as above, 80, 200)"},
+     .help = "pixels, lines or rays across, @ (default 48; with fewer than 10000 patches 80, with "
+             "fewer than 4000 200)"},
     {.name = "hidden",
      .value = "NAME",
      .type = OPTION_OTHER,

@@ -53,8 +53,8 @@ RadOptions rad_default_options(void);
 #define RAD_SMALL 0.01
 // Memory for rows as fits a mesh and the machine, for rad_fit to replace.
 #define RAD_ROWS_FIT SIZE_MAX
-// Replaces a residual or a resolution of 0 by a value that suits the mesh: with few patches, light can be found more exactly. And
-// replaces RAD_ROWS_FIT by 128 MB, and more for a large mesh, but no more than an eighth of the machine's memory.
+// Replaces a residual of 0 by 1e-4, and a resolution of 0 by one that suits the mesh: with few patches, light is found more exactly. And
+// replaces RAD_ROWS_FIT by 128 MB, and more for a large mesh, but no more than an eighth of the memory of the machine.
 void rad_fit(const Mesh *mesh, RadOptions *options);
 
 // Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b. rad_shoot writes the solution in its caller's thread;

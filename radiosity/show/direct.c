@@ -154,14 +154,14 @@ static void linear_mean(const Mesh *mesh, const Nodes *nodes, double (*at_node)[
 }
 
 // Light that is shown: the solution on `mesh`, its light but that straight from lamps and sun, and reflected light where that is gathered
-// (rest.gathered); the mesh that shows it, and how often that halves elements for reflected light.
+// (rest.gathered); the mesh that shows it, and the elements that gather reflected light in their parts.
 typedef struct Showing {
     const Mesh *mesh;
     const StabForest *forest;
     const float *door_open;
     const RadSolution *solution, *rest;
     const Mesh *shown;
-    const MeshDepth *halved;
+    ReflectedParts parts;
     bool lamps;  // their light is known at the nodes
     int threads;
     const Progress *progress;
@@ -391,7 +391,7 @@ static bool store_nodes(const Showing *s, const Nodes *nodes, double (*at_node)[
         const Borders *borders = s->borders;
         if (borders && shown != mesh) borders = borders_new(shown, borders_member(borders), &scratch, &error);
         good = (borders || !s->borders) &&
-               reflected_nodes(&scene, s->halved, shown, nodes, s->threads,
+               reflected_nodes(&scene, s->parts.gathers, shown, nodes, s->threads,
                                s->sources ? &s->sources->parts : NULL, borders, s->progress, reflected);
     }
     if (good) {
@@ -558,9 +558,9 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
             double most = MOST_ADDED * counts[2] + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (sources && sources->state_count > 0) most *= DOORS_ADD;
             if (solution->gathered && mesh->options.splits)
-                show.halved = reflected_depths(mesh, &nodes, solution, borders, lasting);
+                show.parts = reflected_parts(mesh, &nodes, solution, borders, lasting);
             good = find_bends_of_doors(&d, &show, &scratch);
-            splits = good ? bend_splits(mesh, d.bends, show.halved, most, borders, arena) : NULL;
+            splits = good ? bend_splits(mesh, d.bends, show.parts.halved, most, borders, arena) : NULL;
             if (borders) splits = splits_of_parts(borders, mesh, splits, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);

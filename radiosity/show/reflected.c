@@ -1,6 +1,6 @@
 // reflected.c - reflected light has one value for each patch, gathered along the patch's row (RadSolution.reflected). Where these bend, or
-// much of a patch's view is close, the values are too few: elements are halved there, and light is gathered at the middle of each part. The
-// nodes between all these values are those of reconstruct.h.
+// much of a patch's view is close, the values are too few: elements are halved there, and light is gathered at the middle of each part.
+// Where shots tell an element from its patch, it gathers as it is. The nodes between all these values are those of reconstruct.h.
 //
 // Source: G. J. Ward, F. M. Rubinstein & R. D. Clear, A Ray Tracing Solution for Diffuse Interreflection, 1988: values of indirect light
 // are the denser the closer other surfaces are. Departure: steps of the light itself count as well, as shares of all light there.
@@ -13,12 +13,15 @@
 
 // Bends above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
 static const double BEND_ONE = 0.06, BEND_TWO = 0.25, CLOSE_ONE = 0.4, CLOSE_TWO = 0.7;
+// Elements whose light shots say to be off their patch's by more than this share gather by themselves: of a patch that is half covered the
+// middle tells little of the rest.
+static const double APART = 0.25;
 // They count by an element's length over this, metres: what is short is seen less.
 static const double LONG = 0.3;
 // No part is shorter for it, metres.
 static const double SHORTEST = 0.05;
-// So many parts may come of it, as a share of the patches.
-static const double MOST_PARTS = 0.6;
+// So many parts may come of it, as a share of the patches, and so many elements may gather without being halved.
+static const double MOST_PARTS = 0.9, MOST_APART = 0.5;
 // The share of the mean light that counts as light in the dark.
 static const double DARK = 0.01;
 // Directions each way of the rows of parts.
@@ -64,6 +67,7 @@ typedef struct Steps {
     double *light;                   // [element_count] W/m^2, the sum of the channels
     double (*value)[3], (*rest)[3];  // [element_count] of reconstruct_values
     float (*worst)[2];               // [element_count] along each axis
+    float *apart;                    // [element_count] how far shots say that its light is from its patch's
     const Borders *borders;          // or NULL
 } Steps;
 
@@ -106,6 +110,24 @@ static double length_along(const Mesh *mesh, const Element *e, int axis) {
                      : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
 }
 
+// How far the light that was shot to each element is from its patch's, as a share of all light there.
+static void find_apart(Steps *s, Arena *arena) {
+    const Mesh *mesh = s->mesh;
+    s->apart = ARENA_ARRAY(arena, float, mesh->element_count + 1);
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        const double *value = s->solution->reflected[element->patch];
+        double rho[3], emitted[3], off = 0;
+        if (!(rgb_sum(value) > 0)) continue;
+        rgb_doubles(mesh_material(mesh, element->face)->reflectance, rho);
+        rgb_doubles(mesh_material(mesh, element->face)->emission, emitted);
+        for (int c = 0; c < 3; c++)
+            off += fabs(s->solution->radiosity[e][c] - s->solution->direct[e][c] - s->solution->sun[e][c] -
+                        emitted[c] - rho[c] * value[c]);
+        s->apart[e] = (float)(off / s->light[e]);
+    }
+}
+
 static unsigned char depth_for(const Mesh *mesh, const Element *e, int axis, double bend, double close) {
     double weight = length_along(mesh, e, axis) / LONG;
     bend *= weight, close *= weight;
@@ -132,16 +154,31 @@ static double count_parts(const Steps *s, double scale, MeshDepth *out) {
     return parts;
 }
 
-MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
-                            const Borders *borders, Arena *arena) {
+// The number of those that gather without being halved, if what is apart counts by so much.
+static double count_whole(const Steps *s, double scale, const ReflectedParts *out) {
+    const Mesh *mesh = s->mesh;
+    double whole = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        bool halved = out->halved[e].x + out->halved[e].y > 0;
+        out->gathers[e] = halved || scale * (double)s->apart[e] > APART;
+        whole += out->gathers[e] && !halved && mesh_owns(mesh, mesh->elements[e].face);
+    }
+    if (s->borders) team_sum(borders_member(s->borders), &whole, 1);
+    return whole;
+}
+
+ReflectedParts reflected_parts(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
+                               const Borders *borders, Arena *arena) {
     Arena scratch = {0};
     RadSolution even = reconstruct_even(mesh, solution, &scratch);
     Steps s = {.mesh = mesh, .solution = &even, .borders = borders};
-    MeshDepth *out = ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1);
+    ReflectedParts out = {ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1),
+                          ARENA_ARRAY(arena, bool, mesh->element_count + 1)};
     s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
     s.value = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.value);
     find_values(mesh, &even, s.value);
     find_shown_light(&s, &scratch);
+    find_apart(&s, &scratch);
     double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
     s.rest = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.rest);
     reconstruct_values(mesh, nodes, false, s.value, NULL, node, s.rest, NULL);
@@ -152,7 +189,9 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
     double scale = 1, patches = 0;
     for (int p = 0; p < mesh->patch_count; p++) patches += mesh_owns(mesh, mesh->patches[p].face);
     if (borders) team_sum(borders_member(borders), &patches, 1);
-    while (count_parts(&s, scale, out) > MOST_PARTS * patches) scale *= 0.8;
+    while (count_parts(&s, scale, out.halved) > MOST_PARTS * patches) scale *= 0.8;
+    scale = 1;
+    while (count_whole(&s, scale, &out) > MOST_APART * patches) scale *= 0.8;
     arena_free(&scratch);
     return out;
 }
@@ -330,7 +369,7 @@ static void find_within(ReflectedPlaces *p, const Mesh *mesh, const Mesh *shown,
     for (int e = 0; e < shown->element_count; e++) p->within[next[p->in[e]]++] = e;
 }
 
-static ReflectedPlaces *places_of(const Mesh *mesh, const MeshDepth *halved, const Mesh *shown,
+static ReflectedPlaces *places_of(const Mesh *mesh, const bool *gathers, const Mesh *shown,
                                   const Nodes *nodes, bool kept, Arena *arena) {
     ReflectedPlaces *p = ARENA_ARRAY(arena, ReflectedPlaces, 1);
     p->own = nodes_of(mesh, arena);
@@ -343,7 +382,7 @@ static ReflectedPlaces *places_of(const Mesh *mesh, const MeshDepth *halved, con
         const Element *element = &shown->elements[e];
         p->in[e] = shown_around(mesh, shown, e);
         p->part_of[e] = -1;
-        if (!halved || halved[p->in[e]].x + halved[p->in[e]].y == 0) continue;
+        if (!gathers || !gathers[p->in[e]]) continue;
         if (mesh_owns(shown, element->face)) {
             p->part_of[e] = p->count;
             p->part[p->count++] = e;
@@ -446,7 +485,7 @@ static void light_corners(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
         memcpy(p->corner[which][i], p->node[which][p->own.of_corner[i]], sizeof *p->corner[which]);
 }
 
-bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
+bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *shown, const Nodes *nodes,
                      int threads, PartRows *kept, const Borders *borders, const Progress *progress,
                      double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
@@ -460,7 +499,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
         return true;
     }
     ReflectedPlaces *places = kept && kept->places ? kept->places
-                                                   : places_of(mesh, halved, shown, nodes, kept != NULL,
+                                                   : places_of(mesh, gathers, shown, nodes, kept != NULL,
                                                                kept ? &kept->arena : &scratch);
     if (kept) {
         kept->places = places;

@@ -6,11 +6,16 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/show/gather.h"
 
-// How often each element of the mesh is to be halved along each axis of its face's grid, [element_count], so that reflected light is shown
-// as it changes: between neighbours that differ, and in front of close surfaces. The solution must be `gathered`.
-// `borders`: of a part of the building, or NULL.
-MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
-                            const Borders *borders, Arena *arena);
+// The elements of a mesh within which reflected light may change much, [element_count]: those that gather it by themselves, and how often
+// these are to be halved along each axis of their faces' grids, so that each part gathers. Light may change much between neighbours that
+// differ, in front of close surfaces, and where shots say that an element has other light than its patch.
+typedef struct ReflectedParts {
+    MeshDepth *halved;
+    bool *gathers;
+} ReflectedParts;
+// The solution must be `gathered`. `borders`: of a part of the building, or NULL.
+ReflectedParts reflected_parts(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
+                               const Borders *borders, Arena *arena);
 
 // Rows of the parts at which light is gathered, kept by a caller who gathers light of several solutions on one mesh. Start with all zeros,
 // but `thread_count`; reflected_nodes fills it when it is called first, with the rows of that solution's day. The mesh of that call must
@@ -34,11 +39,11 @@ void part_rows_end(PartRows *rows);
 // `shown`: the mesh that shows the light, posed.
 int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved);
 
-// The irradiance by reflected light at nodes of a mesh whose elements are those of the scene's mesh, halved as often as `halved` says or
-// oftener, W/m^2 a channel, into `out` [nodes->count]. `halved` NULL: no element was halved for reflected light. The same on any number of
+// The irradiance by reflected light at nodes of a mesh whose elements are those of the scene's mesh, halved as often as ReflectedParts says
+// or oftener, W/m^2 a channel, into `out` [nodes->count]. `gathers` is that of ReflectedParts; NULL: none. The same on any number of
 // threads (0: all cores). False where progress asked to stop. `kept` may be NULL. `borders`: those of `shown` if it is of a part of the
 // building, then light is found at nodes of its own faces; or NULL.
-bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
+bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *shown, const Nodes *nodes,
                      int threads, PartRows *kept, const Borders *borders, const Progress *progress,
                      double (*out)[3]);
 // Is there light that reflected_again can go on from?

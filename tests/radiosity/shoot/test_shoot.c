@@ -86,7 +86,7 @@ Test(shoot, ends_when_faces_were_looked_at) {
     lit_free(lit);
 }
 
-// Proves that what nobody asked for is fitted to the mesh, finer the fewer patches there are, and what was asked for stays.
+// Proves that what nobody asked for is fitted to the mesh, in more directions the fewer patches there are, and what was asked for stays.
 Test(shoot, fits_what_is_left_open) {
     static const int PATCHES[] = {1, 4000, 4001, 10000, 10001, 1000000};
     double residual = 0;
@@ -99,13 +99,13 @@ Test(shoot, fits_what_is_left_open) {
             o.form_factor.resolution = asked & 2 ? 17 : 0;
             rad_fit(&mesh, &o);
             cr_expect(asked & 1 ? o.residual == 0.5
-                                : o.residual >= residual && o.residual > 0 && o.residual <= 1e-3);
+                                : o.residual >= residual && o.residual > 0 && o.residual <= 1e-4);
             cr_expect(asked & 2 ? o.form_factor.resolution == 17
                                 : o.form_factor.resolution <= resolution && o.form_factor.resolution >= 48);
             if (asked == 0) residual = o.residual, resolution = o.form_factor.resolution;
         }
     }
-    cr_expect(residual == 1e-3 && resolution == 48);
+    cr_expect(residual == 1e-4 && resolution == 48);
 }
 
 // Proves that the report counts what was done: shots by their solution, a row for each shot where none is kept, fewer where they

@@ -1,18 +1,19 @@
-// test_reflected.c - steps of reflected light within a patch are shown as far as its samples can tell them.
+// test_reflected.c - steps of reflected light within a patch: shown as far as its samples can tell them, and gathered where they are large.
 #include <criterion/criterion.h>
 #include <stdio.h>
 
 #include "radiosity/show/direct.h"
+#include "radiosity/show/reflected.h"
 #include "tests/support/lit_fixture.h"
 
-// The mean reflected light at the corners of an element, as it is shown where samples of all patches may miscount light by the share
-// `noise`, and where shots told the element the share `step` more than its patch.
-static double shown_at(Lit *lit, const RadSolution *s, int element, double noise, double step) {
+// The solution where samples of all patches may miscount light by the share `noise`, and where shots told one element the share `step` more
+// than its patch, and all others what their patches gathered.
+static RadSolution with_step(Lit *lit, const RadSolution *s, int element, double noise, double step) {
     Arena *arena = &lit->arena;
     const Mesh *mesh = &lit->mesh;
     RadSolution changed = *s;
     size_t bytes = (size_t)mesh->element_count * sizeof *changed.radiosity;
-    double rho = (double)mesh_material(mesh, mesh->elements[element].face)->reflectance.g, sum = 0;
+    double rho = (double)mesh_material(mesh, mesh->elements[element].face)->reflectance.g;
     changed.radiosity = memcpy(arena_alloc(arena, bytes, 1), s->radiosity, bytes);
     changed.noise = ARENA_ARRAY(arena, float, s->patch_count);
     for (int p = 0; p < s->patch_count; p++) changed.noise[p] = (float)noise;
@@ -22,6 +23,15 @@ static double shown_at(Lit *lit, const RadSolution *s, int element, double noise
             changed.radiosity[e][c] = s->direct[e][c] + rho * s->reflected[mesh->elements[e].patch][c];
     for (int c = 0; c < 3; c++)
         changed.radiosity[element][c] += step * rho * s->reflected[mesh->elements[element].patch][c];
+    return changed;
+}
+
+// The mean reflected light at the corners of the element, as it is shown.
+static double shown_at(Lit *lit, const RadSolution *s, int element, double noise, double step) {
+    Arena *arena = &lit->arena;
+    const Mesh *mesh = &lit->mesh;
+    RadSolution changed = with_step(lit, s, element, noise, step);
+    double sum = 0;
     cr_assert(direct_show(mesh, &lit->forest, NULL, 1, NULL, arena, &changed, NULL));
     Nodes nodes = nodes_of(mesh, arena);
     cr_assert_eq(changed.node_count, nodes.count);
@@ -31,27 +41,37 @@ static double shown_at(Lit *lit, const RadSolution *s, int element, double noise
     return sum;
 }
 
-// Proves which steps within a patch are seen: those of many samples are, those of few samples, which would be blotches, are not. A step of
-// an element is seen in the mean of its corners by a fourth of it at least, since each is shared by four elements; and steps of more than
-// half of the light are shown as a half.
-Test(reflected, steps_within_patches_as_far_as_samples_tell) {
+static Lit *lit_room(RadSolution *s) {
     Lit *lit = lit_new();
     lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
     lit_lamp(lit, vec3(2, 1.5, 2.4));
     lit_finish(lit, 0.5, 2);
     RadOptions options = rad_default_options();
-    RadSolution s;
     options.form_factor.resolution = 48;
     options.residual = 0.01;
-    lit_shoot(lit, &options, &s);
-    cr_assert(s.gathered);
-    int element = -1;
-    for (int p = 0; p < s.patch_count && element < 0; p++) {
+    lit_shoot(lit, &options, s);
+    cr_assert(s->gathered);
+    return lit;
+}
+
+// One of four elements of a patch.
+static int element_of_floor(const Lit *lit) {
+    for (int p = 0; p < lit->mesh.patch_count; p++) {
         const Patch *patch = &lit->mesh.patches[p];
         if (patch->element_count == 4 && lit->mesh.faces[patch->face].plane.n.z > 0.99)
-            element = patch->first_element;
+            return patch->first_element;
     }
-    cr_assert_geq(element, 0);
+    cr_assert_fail("no patch of the floor has four elements");
+    return -1;
+}
+
+// Proves which steps within a patch are seen: those of many samples are, those of few samples, which would be blotches, are not. A step of
+// an element is seen in the mean of its corners by a fourth of it at least, since each is shared by four elements; and steps of more than
+// half of the light are shown as a half.
+Test(reflected, steps_within_patches_as_far_as_samples_tell) {
+    RadSolution s;
+    Lit *lit = lit_room(&s);
+    int element = element_of_floor(lit);
     static const struct {
         double noise, step;
         bool seen;
@@ -64,6 +84,28 @@ Test(reflected, steps_within_patches_as_far_as_samples_tell) {
             cr_expect_gt(change / CASES[i].step, 0.12);
         else
             cr_expect_float_eq(change, 0, 1e-6);
+    }
+    lit_free(lit);
+}
+
+// Proves that an element gathers by itself where shots tell it from its patch, as where a thing covers half of the patch: one that has
+// several times the light does, above what is there straight from the lamp; one a twentieth off does not.
+Test(reflected, elements_gather_where_shots_tell_them_from_their_patch) {
+    RadSolution s;
+    Lit *lit = lit_room(&s);
+    int element = element_of_floor(lit), patch = lit->mesh.elements[element].patch;
+    Nodes nodes = nodes_of(&lit->mesh, &lit->arena);
+    static const struct {
+        double step;
+        bool gathers;
+    } CASES[] = {{0, false}, {0.05, false}, {-0.05, false}, {4, true}};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        RadSolution changed = with_step(lit, &s, element, 0, CASES[i].step);
+        ReflectedParts parts = reflected_parts(&lit->mesh, &nodes, &changed, NULL, &lit->arena);
+        cr_expect_eq(parts.gathers[element], CASES[i].gathers, "step %g", CASES[i].step);
+        // Others of the patch are what they were.
+        for (int e = element + 1; e < element + lit->mesh.patches[patch].element_count; e++)
+            cr_expect(parts.gathers[e] == (parts.halved[e].x + parts.halved[e].y > 0));
     }
     lit_free(lit);
 }

@@ -33,19 +33,25 @@ enum { PARTS_A_LOOK = 1024 };
 // too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
 static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
 
+// The reflected light of an element as shots tell it, W/m^2.
+static void reflected_by_shots(const Mesh *mesh, const RadSolution *s, int e, double out[3]) {
+    double emitted[3];
+    rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
+    for (int c = 0; c < 3; c++) out[c] = s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c];
+}
+
 // Irradiances by reflected light of a patch's elements, from an even solution: that of the patch, and the step from it that shots tell.
 static void find_patch_values(const Mesh *mesh, const RadSolution *s, int p, double (*out)[3]) {
     const Patch *patch = &mesh->patches[p];
     int first = patch->first_element, end = first + patch->element_count;
-    double rho[3], emitted[3];
+    double rho[3];
     rgb_doubles(mesh_material(mesh, patch->face)->reflectance, rho);
-    rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
+    for (int e = first; e < end; e++) reflected_by_shots(mesh, s, e, out[e]);
     double trust = fmax(0, 1 - (double)s->noise[p] / NOISY);
     for (int c = 0; c < 3; c++) {
         double value = s->reflected[p][c], power = 0, area = 0;
         for (int e = first; e < end; e++) {
             const double size = mesh->elements[e].area;
-            out[e][c] = s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c];
             power += size * out[e][c];
             area += size;
         }
@@ -117,13 +123,11 @@ static void find_apart(Steps *s, Arena *arena) {
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
         const double *value = s->solution->reflected[element->patch];
-        double rho[3], emitted[3], off = 0;
+        double rho[3], shot[3], off = 0;
         if (!(rgb_sum(value) > 0)) continue;
         rgb_doubles(mesh_material(mesh, element->face)->reflectance, rho);
-        rgb_doubles(mesh_material(mesh, element->face)->emission, emitted);
-        for (int c = 0; c < 3; c++)
-            off += fabs(s->solution->radiosity[e][c] - s->solution->direct[e][c] - s->solution->sun[e][c] -
-                        emitted[c] - rho[c] * value[c]);
+        reflected_by_shots(mesh, s->solution, e, shot);
+        for (int c = 0; c < 3; c++) off += fabs(shot[c] - rho[c] * value[c]);
         s->apart[e] = (float)(off / s->light[e]);
     }
 }

@@ -88,8 +88,8 @@ Test(reflected, steps_within_patches_as_far_as_samples_tell) {
     lit_free(lit);
 }
 
-// Proves that an element gathers by itself where shots tell it from its patch, as where a thing covers half of the patch: one that has
-// several times the light does, above what is there straight from the lamp; one a twentieth off does not.
+// Proves that an element gathers by itself where shots tell it from its patch, as where a thing covers half of the patch. An element with
+// five times the patch's reflected light is off by more than a quarter of all light, the lamp's included; one a twentieth off is not.
 Test(reflected, elements_gather_where_shots_tell_them_from_their_patch) {
     RadSolution s;
     Lit *lit = lit_room(&s);

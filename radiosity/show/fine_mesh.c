@@ -427,7 +427,7 @@ static void join_meshes(FineMesh *fine, const Mesh *of_fine, Arena *arena) {
     Join join[2] = {{.fine = fine, .from = fine->light, .arena = arena},
                     {.fine = fine, .from = of_fine, .arena = arena, .is_fine = true}};
     int at[2] = {0, 0};
-    *out = (Mesh){.graph = fine->light->graph, .options = fine->light->options};
+    *out = (Mesh){.graph = fine->light->graph, .options = fine->light->options, .panes = fine->light->panes};
     make_room(out, fine->light, of_fine, fine, arena);
     join_vertices(out, join, arena, &scratch);
     for (int o = 0; o < out->graph->object_count; o++) take_object(join, o, at);

@@ -4,6 +4,7 @@
 
 #include "radiosity/shoot/sunlight.h"
 #include "radiosity/show/direct.h"
+#include "radiosity/show/fine_mesh.h"
 #include "radiosity/truth/path_tracer.h"
 #include "tests/radiosity/shoot/sky_fixture.h"
 #include "tests/radiosity/show/gather_fixture.h"
@@ -56,6 +57,39 @@ Test(panes_light, sun_through_a_window) {
     }
     cr_expect_gt(h[1][0], 0.5);
     cr_expect_float_eq(h[0][0], passes * h[1][0], 1e-9);
+    lit_free(lit);
+}
+
+// Proves that panes weaken light that is gathered over the fine model (bake --probe, stills) as they do over the mesh with stand-ins. A
+// vase of fine polygons stands in a dark corner of a room, and a point in the patch of sun has the same light over both.
+Test(panes_light, fine_model_has_panes) {
+    Lit *lit = sky_read_plan_with(
+        "room a 0,0 4,0 4,3 0,3 floor oak ceiling white walls white wall 0.2\n"
+        "window w 4.1,1.5 angle 90 width 1.2 sill 0.9 height 1.3\n"
+        "model vase\n  cylinder white 0 0.2 0,0 radius 0.1 sides 64 without bottom top\n  cylinder "
+        "white 0.2 0.3 0,0 radius 0.08 sides 64 without bottom top\nend\nplace vase 0.3,0.3\n",
+        0.25, 2);
+    Error error;
+    Mesh mesh;
+    MeshOptions options = {
+        .element = 0.25, .per_patch = 2, .proxies = proxies_find(&lit->graph, 0.0125, &lit->arena)};
+    cr_assert(mesh_build(&lit->graph, NULL, &options, &lit->arena, &mesh, &error), "%s", error.text);
+    const FineMesh *fine = fine_mesh_new(&mesh, &lit->arena);
+    cr_assert(!fine->same && fine->mesh.face_count > mesh.face_count);
+    Vec3 sun = vec3_normalize(vec3(1, -0.3, 0.5)), window = {4.1, 1.5, 1.55};
+    Vec3 at = vec3_sub(window, vec3_scale(sun, window.z / sun.z));
+    double h[2][3];
+    for (int i = 0; i < 2; i++) {
+        RadSolution s;
+        const Mesh *of = i ? &fine->mesh : &mesh;
+        cr_assert(rad_start_dark(of, &lit->arena, &s, &error), "%s", error.text);
+        s.day = (Daylight){.sun = sun, .beam = {3, 2, 1}};
+        GatherScene scene = {of, &lit->forest, NULL, &s, NULL};
+        GatherOptions gather = gather_default_options();
+        gather_once(&scene, &gather, at, vec3(0, 0, 1), h[i]);
+    }
+    cr_expect_float_eq(h[0][0], 3 * sun.z * glass_transmits(sun.x), 1e-9);
+    cr_expect_float_eq(h[1][0], h[0][0], 1e-9);
     lit_free(lit);
 }
 

@@ -1,4 +1,5 @@
 // cmd_bake.c - `enfilade bake FILE`: computes the light of a building by radiosity, and stores it.
+#include <limits.h>
 #include <malloc.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -12,6 +13,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
 #include "engine/scene/bake_parts.h"
+#include "engine/scene/kept_parts.h"
 #include "engine/scene/light.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
@@ -33,8 +35,9 @@ typedef struct BakeArguments {
     bool final_gather, resume, json, each;
     // The limit of the whole bake, seconds; 0: none.
     double seconds;
-    // In parts of so many cells at most; 0: as a whole.
+    // In parts of so many cells at most; 0: as a whole. What was found is kept every so many seconds; 0: every DEFAULT_CHECKPOINT.
     int parts;
+    double checkpoint;
     Probes probes;
     // The file that probes were read from, the last one; NULL: none.
     const char *probe_file;
@@ -298,6 +301,9 @@ static int part_cells(const Bake *bake) {
     return bake_parts_cells(&bake->scene.graph);
 }
 
+// How often the light of parts is kept, seconds, if nothing else is asked for: the files of ten thousand rooms take some seconds.
+static const double DEFAULT_CHECKPOINT = 60;
+
 // The first process of several stores the light.
 static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
@@ -306,9 +312,17 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
     Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
     Progress progress = {report_timed, &timed};
-    bool good = bake_parts(&options, &bake->scene, part_cells(bake), &progress, arena, &bake->doors,
-                           &bake->mesh, &bake->solution, &bake->parts, error);
+    PartsKeep keep = {.folder = bake->out ? kept_folder(bake->out, arena) : NULL,
+                      .seconds = a->checkpoint > 0 ? a->checkpoint : DEFAULT_CHECKPOINT,
+                      .resume = a->resume};
+    bool good = bake_parts(&options, &bake->scene, part_cells(bake), keep.folder ? &keep : NULL, &progress,
+                           arena, &bake->doors, &bake->mesh, &bake->solution, &bake->parts, error);
     app_progress_end();
+    if (*bake->parts.unkept.text) {
+        Error sentence;
+        error_set(&sentence, "the light so far is not kept: %.900s", bake->parts.unkept.text);
+        app_warn(sentence.text);
+    }
     bake->report = bake->parts.rad;
     bake->shoot_seconds = clock_seconds() - start;
     bake->rad = a->bake.rad;
@@ -317,7 +331,9 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     if (!bake->solution.node)
         app_warn("the mesh that shows the light of all parts would be too large: shadows are as coarse as "
                  "elements");
-    return check_room(bake, error) && light_fine(bake, arena, error) && store(bake, error);
+    good = check_room(bake, error) && light_fine(bake, arena, error) && store(bake, error);
+    if (good && keep.folder) kept_remove(keep.folder, INT_MAX);
+    return good;
 }
 
 static bool compute(Bake *bake, Arena *arena, Error *error) {
@@ -407,6 +423,7 @@ static json_t *facts_of(const Bake *bake) {
         json_object_set_new(facts, "ranks", json_integer(bake->parts.ranks));
         json_object_set_new(facts, "elements_made_share", json_real(bake->parts.elements_share));
         json_object_set_new(facts, "sent_mb", json_real(bake->parts.sent_mb));
+        json_object_set_new(facts, "checkpoints", json_integer(bake->parts.kept));
     }
     return facts;
 }
@@ -594,7 +611,8 @@ static const Option ROWS[] = {
     {.name = "resume",
      .type = OPTION_FLAG,
      .at = AT(resume),
-     .help = "go on from the light that is there, made with the same elements and doors"},
+     .help = "go on from the light that is there, made with the same elements and doors; in parts, from what "
+             "was kept of them"},
     {.name = "doors",
      .value = "SPEC",
      .type = OPTION_TEXT,
@@ -717,6 +735,15 @@ static const Option ROWS[] = {
          "in parts of so many cells at most, one after the other or, in a program made by `make mpi=1` and "
          "started by mpirun, side by side: then the default is an eighth of the cells, 16 to 1024. The parts "
          "decide the light, not the number of processes"},
+    {.name = "checkpoint",
+     .value = "S",
+     .type = OPTION_NUMBER,
+     .at = AT(checkpoint),
+     .low = 0.001,
+     .high = 1e6,
+     .help = "in parts: keep what was found so far every S seconds, @, in the folder OUT.rad.parts, from "
+             "where --resume "
+             "goes on in any number of processes (default 60)"},
     OPTION_THREADS(AT(bake.rad.threads)),
     OPTION_MEMORY(AT(load.memory), "what fits the file to open it, then three quarters of the machine's"),
     {.name = "row-memory",
@@ -763,10 +790,11 @@ static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {
     b->each = b->load.lamp_state && strcmp(b->load.lamp_state, "each") == 0;
     if (b->each) b->load.lamp_state = NULL;
     bool parts = b->parts > 0 || team_is_started();
-    if (parts && (b->resume || b->each || b->final_gather || b->seconds > 0 || b->bake.rad.shots > 0))
-        return app_misuse("bake",
-                          "bake: light that is found in parts has no --resume, --lamps each, --final-gather, "
-                          "--seconds or --shots");
+    if (!parts && b->checkpoint > 0)
+        return app_misuse("bake", "bake: --checkpoint keeps the light of a bake in parts: give --parts");
+    if (parts && (b->each || b->final_gather || b->seconds > 0 || b->bake.rad.shots > 0))
+        return app_misuse("bake", "bake: light that is found in parts has no --lamps each, --final-gather, "
+                                  "--seconds or --shots");
     if (b->each && b->final_gather)
         return app_misuse("bake", "bake: --lamps each: light of each lamp is not gathered by --final-gather");
     if (b->bake.rad.form_factor.hidden && strcmp(b->bake.rad.method->name, "hemicube") != 0)

@@ -3,7 +3,11 @@
 
 #include <string.h>
 
+#include "engine/core/clock.h"
+#include "engine/core/file.h"
 #include "engine/scene/door_state.h"
+#include "engine/scene/kept_parts.h"
+#include "engine/scene/light.h"
 #include "radiosity/mesh/parts.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
@@ -12,6 +16,7 @@
 typedef struct PartsBake {
     BakeOptions options;  // with what all parts share
     const LoadedScene *scene;
+    const PartsKeep *keep;
     const Progress *progress;
     Parts parts;
     PartsReport *report;
@@ -29,7 +34,7 @@ int bake_parts_cells(const CellGraph *graph) {
 }
 
 // Did all members do it? Else all keep the first sentence of one that did not; who only heard of it says `stopped`.
-static bool all_did(PartsBake *b, TeamMember *member, bool good, const Error *error) {
+static bool agree(TeamMember *member, bool good, const Error *error, Error *first) {
     Arena scratch = {0};
     const char *own = good ? "" : error->text, *sentence = NULL;
     const TeamBytes *said = team_collect(member, own, strlen(own) + 1, &scratch);
@@ -37,10 +42,89 @@ static bool all_did(PartsBake *b, TeamMember *member, bool good, const Error *er
         const char *text = said[m].data;
         if (*text && (!sentence || strcmp(sentence, "stopped") == 0)) sentence = text;
     }
-    if (sentence) error_set(&b->error, "%s", sentence);
-    b->good = !sentence;
+    if (sentence) error_set(first, "%s", sentence);
     arena_free(&scratch);
-    return b->good;
+    return !sentence;
+}
+
+static bool all_did(PartsBake *b, TeamMember *member, bool good, const Error *error) {
+    return b->good = agree(member, good, error, &b->error);
+}
+
+// ---- light is kept
+
+// A member that keeps the light of its part.
+typedef struct Keeper {
+    PartsBake *bake;
+    TeamMember *member;
+    const Mesh *mesh;
+    const float *doors;
+    int from, set;  // the set that light goes on from, 0: none; and the next one
+    int kept;       // the last whole set
+    double due;     // on the clock
+    bool off;
+} Keeper;
+
+// Where light is stopped, as the user is told.
+static Error stopped(const Keeper *k) {
+    Error error = {"stopped"};
+    if (k->kept > 0)
+        error_set(&error, "stopped: what was found is kept in %s, from where --resume goes on",
+                  k->bake->keep->folder);
+    return error;
+}
+
+static void prepare_last_words(const Keeper *k) {
+    Error reason = stopped(k), sentence;
+    error_set(&sentence, "enfilade: %.900s\n", reason.text);
+    team_last_words(sentence.text);
+}
+
+// The first member looks what there is.
+static bool begin_keeping(PartsBake *b, TeamMember *member, Keeper *out) {
+    const PartsKeep *keep = b->keep;
+    Error error = {""};
+    bool first = team_index(member) == 0, good = true;
+    int from = 0;
+    *out = (Keeper){.bake = b, .member = member, .off = !keep};
+    if (!keep) return true;
+    if (first && keep->resume) good = kept_find(keep->folder, b->parts.count, &from, &error);
+    double sets[2] = {from, first ? kept_last(keep->folder) + 1 : 0};
+    team_most(member, sets, 2);
+    out->from = out->kept = (int)sets[0];
+    out->set = (int)sets[1];
+    out->due = clock_seconds() + keep->seconds;
+    prepare_last_words(out);
+    return all_did(b, member, good, &error);
+}
+
+static bool keeping_is_due(void *context) {
+    const Keeper *k = context;
+    return !k->off && team_index(k->member) == 0 && clock_seconds() >= k->due;
+}
+
+// Earlier sets go once this one is whole. What cannot be kept any more ends no bake.
+static void keep_light(void *context, const RadSolution *so_far) {
+    Keeper *k = context;
+    PartsBake *b = k->bake;
+    Arena scratch = {0};
+    Error error = {""};
+    int own = team_index(k->member);
+    if (k->off) return;
+    const char *path = kept_file(b->keep->folder, k->set, own, b->parts.count, &scratch);
+    bool good =
+        file_make_folder(b->keep->folder, &error) && rad_save(path, k->mesh, k->doors, so_far, &error);
+    good = agree(k->member, good, &error, &b->report->unkept);
+    if (good && own == 0) kept_remove(b->keep->folder, k->set);
+    if (good) {
+        k->kept = k->set;
+        prepare_last_words(k);
+    }
+    b->report->kept += good && own == 0;
+    k->off = !good;
+    k->set++;
+    k->due = clock_seconds() + b->keep->seconds;
+    arena_free(&scratch);
 }
 
 // The work of all members.
@@ -103,12 +187,24 @@ static bool shine(PartsBake *b, TeamMember *member, const Mesh *mesh, const floa
     return all_did(b, member, emitted > 0, &error);
 }
 
+// The light of a part that was kept.
+static bool take_kept(PartsBake *b, const char *path, TeamMember *member, const Mesh *mesh,
+                      const float *doors, Arena *arena, RadSolution *out) {
+    Error error = {""};
+    bool good = rad_load(path, mesh, doors, arena, out, &error) &&
+                light_check_day(path, out, &b->scene->day, &error) &&
+                light_take_lamps(path, b->scene, out, &error);
+    return all_did(b, member, good, &error);
+}
+
 static void bake_part(void *context, TeamMember *member) {
     PartsBake *b = context;
     const LoadedScene *scene = b->scene;
     Arena arena = {0};
     Error error = {"stopped"};
     Mesh mesh;
+    Keeper keeper;
+    const char *kept = NULL;
     float *doors;
     RadSolution solution;
     RadReport report = {0};
@@ -120,17 +216,31 @@ static void bake_part(void *context, TeamMember *member) {
     MeshPart part = part_of(&b->parts, &scene->forest, team_index(member), options.mesh.close, &arena);
     options.member = member;
     options.mesh.part = &part;
-    bool good = bake_mesh(&options, scene, NULL, progress, &arena, &doors, &mesh, &error);
-    good = all_did(b, member, good, &error);
+    bool good = begin_keeping(b, member, &keeper);
+    if (keeper.from > 0)
+        kept = kept_file(b->keep->folder, keeper.from, team_index(member), b->parts.count, &arena);
+    if (good) {
+        good = bake_mesh(&options, scene, kept, progress, &arena, &doors, &mesh, &error);
+        good = all_did(b, member, good, &error);
+    }
     if (good) {
         Mesh lit = scene_lit_mesh(scene, &mesh, &arena);
         RadOptions rad = fit(b, member, &lit);
         Borders *borders = borders_new(&lit, member, &arena, &error);
         rad.borders = borders;
         good = all_did(b, member, borders != NULL, &error) &&
-               shine(b, member, &lit, doors, &rad, progress, &arena, &solution);
+               (kept ? take_kept(b, kept, member, &lit, doors, &arena, &solution)
+                     : shine(b, member, &lit, doors, &rad, progress, &arena, &solution));
         if (good) {
+            solution.lit = scene->lit;
+            solution.lamp_count = scene->lamps.count;
+            keeper.mesh = &lit;
+            keeper.doors = doors;
+            if (b->keep) rad.show = keep_light;
+            rad.show_due = keeping_is_due;
+            rad.show_context = &keeper;
             report = rad_shoot(&lit, &scene->forest, doors, &rad, progress, &solution);
+            error = stopped(&keeper);
             good = all_did(b, member, !report.stopped, &error);
         }
         if (good) {
@@ -151,14 +261,15 @@ static void bake_part(void *context, TeamMember *member) {
     arena_free(&arena);
 }
 
-bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const Progress *progress,
-                Arena *arena, float **doors, Mesh *mesh, RadSolution *out, PartsReport *report,
-                Error *error) {
+bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const PartsKeep *keep,
+                const Progress *progress, Arena *arena, float **doors, Mesh *mesh, RadSolution *out,
+                PartsReport *report, Error *error) {
     Arena own = {0};
     const CellGraph *graph = &scene->graph;
     *report = (PartsReport){.ranks = team_ranks()};
     PartsBake b = {.options = *options,
                    .scene = scene,
+                   .keep = keep,
                    .progress = progress,
                    .parts = parts_of(graph, cells, &own),
                    .report = report,
@@ -175,6 +286,7 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
                   "%s: has %d parts of %d cells at most, for %d processes: give --parts with fewer cells",
                   scene->building.source, b.parts.count, cells, team_ranks());
     good = good && team_run(b.parts.count, bake_part, &b, error);
+    team_last_words(NULL);
     if (good && !b.good) {
         *error = b.error;
         good = false;

@@ -9,9 +9,18 @@
 enum { PARTS_FITTING = 8, PARTS_LEAST_CELLS = 16, PARTS_MOST_CELLS = 1024 };
 int bake_parts_cells(const CellGraph *graph);
 
+// Light is kept while it is found, in a folder (kept_parts.h) that all processes see.
+typedef struct PartsKeep {
+    const char *folder;
+    double seconds;  // how often at most
+    bool resume;     // goes on from what was kept there
+} PartsKeep;
+
 // The work of a bake in parts.
 typedef struct PartsReport {
     int parts, ranks;
+    int kept;       // so many times
+    Error unkept;   // why not any more, or empty
     RadReport rad;  // of all parts
     double
         elements_share;  // elements of all meshes, those of others that parts see included, over the elements of the whole
@@ -19,8 +28,10 @@ typedef struct PartsReport {
 } PartsReport;
 
 // Light to its end, shown, on the mesh of the whole building: `doors`, `mesh` and `out` are made in process 0 alone. `cells`: of a part at
-// most. False, with a sentence, in all processes where it fails or is stopped.
-bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const Progress *progress,
-                Arena *arena, float **doors, Mesh *mesh, RadSolution *out, PartsReport *report, Error *error);
+// most. `keep`: NULL, nothing is kept. Light that goes on from what was kept is, to the last bit, that of a bake that was never ended.
+// False, with a sentence, in all processes where it fails or is stopped.
+bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const PartsKeep *keep,
+                const Progress *progress, Arena *arena, float **doors, Mesh *mesh, RadSolution *out,
+                PartsReport *report, Error *error);
 
 #endif

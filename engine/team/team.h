@@ -50,5 +50,7 @@ int team_ranks(void);
 int team_rank(void);
 // Did mpirun start this process, be it alone?
 bool team_is_started(void);
+// Process 0 says this on standard error when mpirun ends it, since another process ended or the user stops them all; NULL: nothing.
+void team_last_words(const char *sentence);
 
 #endif

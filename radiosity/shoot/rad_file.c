@@ -434,13 +434,14 @@ static bool are_states(const Rgb *lit, int count) {
     return true;
 }
 
-static bool check_light(const char *path, RadSolution *s, Error *error) {
+// A part of a building may have no light of its own.
+static bool check_light(const char *path, const Mesh *mesh, RadSolution *s, Error *error) {
     if (are_states(s->lit, s->lamp_count) && is_light(s->radiosity, s->element_count) &&
         is_light(s->direct, s->element_count) && is_light(s->unshot, s->patch_count) &&
         is_light(s->daylight, s->element_count) && is_light(s->node, s->node_count) &&
         (!s->rest || is_light(s->rest, s->node_count)) && is_light(&s->emitted, 1) &&
         is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) && daylight_is_sound(&s->day) &&
-        is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+        is_light(&s->outdoors, 1) && s->shots >= 0 && (mesh->options.part || rgb_sum(s->emitted) > 0))
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }
@@ -454,7 +455,7 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
                 check_mesh(path, &h, mesh, door_open, body, error);
     if (good && !take_body(&h, body, arena, out))
         good = error_set(error, "%s: is damaged: the light of its lamps is out of range", path);
-    good = good && check_light(path, out, error);
+    good = good && check_light(path, mesh, out, error);
     arena_free(&scratch);
     return good;
 }

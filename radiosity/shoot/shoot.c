@@ -717,6 +717,13 @@ static bool shoot_round(Shooter *s, const Mesh *mesh, double least, double goal)
     return true;
 }
 
+// Between two rounds the solution is whole.
+static void show_parts(const Shooter *s, TeamMember *member, bool stopped) {
+    const RadOptions *o = s->options;
+    if (o->show && team_any(member, stopped || o->show_due(o->show_context)))
+        o->show(o->show_context, s->solution);
+}
+
 // Returns whether progress asked to stop.
 static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) {
     TeamMember *member = borders_member(s->options->borders);
@@ -732,6 +739,7 @@ static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) 
     for (bool over = false;;) {
         s->residual = share_left(s, sums[0], sums[1], &most);
         bool stopped = team_any(member, !report_residual(s, progress));
+        show_parts(s, member, stopped);
         if (stopped || over || s->residual <= s->options->residual || !(most > 0)) return stopped;
         bool on = shoot_round(s, mesh, ROUND * most, s->left * s->options->residual / s->residual);
         over = team_any(member, !on);

@@ -36,10 +36,11 @@ typedef struct RadOptions {
     // own. Once light was gathered along them it is known which patches are strong, and which are noisy.
     ShootRows *rows;
     // The mesh is that of a part of the building (MeshOptions.part): light of all parts is found side by side, each by a member of a team.
-    // Sums of power, and what was stopped, are those of all. Then neither `shots` nor `show` is asked. NULL: the mesh is that of the whole
-    // building.
+    // Sums of power, and what was stopped, are those of all. Then `shots` is not asked. NULL: the mesh is that of the whole building.
     const Borders *borders;
-    // Called with the solution so far, between shots, by the thread that shoots, whenever `show_due` returns true; NULL: never.
+    // Called with the solution so far, between shots, by the thread that shoots, whenever `show_due` returns true; NULL: never. Of parts:
+    // by each member at one moment, where that of any member returns true, and when they stop; a member that begins with such a solution
+    // goes on as it would have.
     void (*show)(void *context, const RadSolution *so_far);
     bool (*show_due)(void *context);
     void *show_context;

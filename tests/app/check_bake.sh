@@ -53,7 +53,20 @@ same "$work/parts.rad" "$work/parts.2.rad" 'light in parts depends on threads'
 bake 0 -o "$work/part.rad" --parts 4194304
 same "$work/part.rad" "$work/1.rad" 'one part is another light than the whole'
 expect 0 "$program" walk $maps/two-rooms.plan --light "$work/parts.rad" --offscreen "$work/in-parts" --size 64x48 --every 1000
-bake 2 -o "$work/parts.rad" --parts 2 --resume && says err 'light that is found in parts has no --resume'
+# Killed, it goes on from what it has kept beside the file; what was kept is gone once the light is whole.
+bake 1 -o "$work/kept.rad" --parts 2 --resume && says err 'kept.rad.parts: holds no light' && sentence
+bake 2 -o "$work/kept.rad" --checkpoint 1 && says err 'give --parts'
+bake 0 -o "$work/never.rad" --parts 2 --residual 0.002
+"$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.002 -o "$work/kept.rad" --parts 2 --checkpoint 0.001 \
+    >/dev/null 2>&1 &
+for ((i = 0; i < 600; i++)); do
+    [ -n "$(ls "$work"/kept.rad.parts/000002-* 2>/dev/null)" ] && break
+    sleep 0.02
+done
+kill -KILL $! 2>/dev/null && wait $! 2>/dev/null
+[ -e "$work/kept.rad.parts" ] && bake 0 -o "$work/kept.rad" --parts 2 --residual 0.002 --resume --json && says out '"checkpoints": 0'
+[ ! -e "$work/kept.rad.parts" ] || fail 'what was kept stays beside the light'
+same "$work/kept.rad" "$work/never.rad" 'a killed bake that goes on makes another light'
 bake 2 -o "$work/parts.rad" --parts 0 && says err 'parts'
 # Of a program without MPI mpirun may start one process, not several.
 OMPI_COMM_WORLD_SIZE=2 bake 2 -o "$work/of-two.rad" && says err 'make mpi=1'

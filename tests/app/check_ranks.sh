@@ -4,17 +4,52 @@
 
 several=build/release-mpi/enfilade
 [ -x $several ] && command -v mpirun >/dev/null || { echo "no program made by make mpi=1, or no mpirun"; exit 77; }
-ranks() { expect "$1" mpirun --allow-run-as-root --oversubscribe -n "$2" $several bake $maps/house.plan --night --element 0.8 --residual 0.01 --parts 16 "${@:3}"; }
+ranks() { expect "$1" mpirun --allow-run-as-root --oversubscribe -n "$2" $several bake $maps/two-rooms.plan --night --element 0.4 --residual 0.001 --parts 2 "${@:3}"; }
 ranks 0 1 -o "$work/1.rad" --threads 1
 for n in 2 4; do
     ranks 0 $n -o "$work/$n.rad" --threads 1 --json && says out "\"ranks\": $n" && says out '"sent_mb": [1-9]'
     same "$work/1.rad" "$work/$n.rad" "$n processes make another light than one"
 done
 # The same without mpirun, and by the program without MPI.
-expect 0 "$program" bake $maps/house.plan --night --element 0.8 --residual 0.01 --parts 16 -o "$work/none.rad"
+expect 0 "$program" bake $maps/two-rooms.plan --night --element 0.4 --residual 0.001 --parts 2 -o "$work/none.rad"
 same "$work/1.rad" "$work/none.rad" 'mpirun changes the light'
 # More processes than parts; a file that is not there: one sentence, and all end.
 ranks 1 2 -o "$work/x.rad" --parts 1000 && says err 'give --parts with fewer cells'
 expect 1 mpirun --allow-run-as-root --oversubscribe -n 2 $several bake "$work/absent.plan" && says err 'absent.plan'
 [ ! -e "$work/x.rad" ] || fail 'a file of light of a bake that was refused'
+# One of them is killed at a random moment, again and again (100 times at soak): a sentence, and --resume goes on, in another number of
+# processes, to the same bytes. Some kills come before anything is kept: then the bake begins anew.
+seed=${ENFILADE_SEED:-$(date +%s)}
+RANDOM=$seed
+kills=${ENFILADE_SOAK:+100}
+left=${kills:-3} told=0
+begin=$(date +%s%N)
+ranks 0 2 -o "$work/k.rad" --threads 1
+taken=$((($(date +%s%N) - begin) / 1000000))
+for ((n = 2; left > 0; left--, n = 2 + RANDOM % 3)); do
+    kept=$(ls "$work/k.rad.parts" 2>/dev/null | head -1)
+    mpirun --allow-run-as-root --oversubscribe -n $n $several bake $maps/two-rooms.plan --night --element 0.4 --residual 0.001 --parts 2 \
+        -o "$work/k.rad" --threads 1 --checkpoint 0.001 ${kept:+--resume} >"$work/out" 2>"$work/err" </dev/null &
+    run=$!
+    # At any moment, or once a first set is whole.
+    if [ $((left % 3)) -eq 0 ]; then
+        sleep "$(awk -v r=$RANDOM -v t=$taken 'BEGIN { print r / 32768 * t / 1000 }')"
+    else
+        for ((i = 0; i < 1000; i++)); do
+            [ -n "$(ls "$work"/k.rad.parts/000002-* 2>/dev/null)" ] && break
+            sleep 0.02
+        done
+        sleep 0.$((RANDOM % 10))
+    fi
+    mapfile -t pids < <(pgrep -P $run)
+    [ ${#pids[@]} -gt 0 ] && kill -KILL "${pids[RANDOM % ${#pids[@]}]}" 2>/dev/null
+    wait $run && continue
+    says err 'exited on signal 9'
+    grep -q 'enfilade: stopped: what was found is kept' "$work/err" && told=$((told + 1))
+    kept=$(ls "$work/k.rad.parts" 2>/dev/null | head -1)
+    ranks 0 $((1 + RANDOM % 4)) -o "$work/k.rad" --threads 1 ${kept:+--resume}
+    same "$work/1.rad" "$work/k.rad" "seed $seed: a bake of which a process was killed goes on to another light"
+    [ ! -e "$work/k.rad.parts" ] || fail "seed $seed: what was kept stays beside the light"
+done
+echo "$told of ${kills:-3} killed bakes said that their light is kept"
 exit $bad

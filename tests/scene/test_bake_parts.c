@@ -1,9 +1,13 @@
 // test_bake_parts.c - light that is found in parts of a building, side by side, is that of the whole.
 #include <criterion/criterion.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
+#include "engine/core/file.h"
 #include "engine/scene/bake_parts.h"
+#include "engine/scene/kept_parts.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
 #include "tests/support/support.h"
@@ -34,12 +38,15 @@ static Parted *load(const char *path, bool day, double element, double residual)
     return p;
 }
 
+static bool try_bake(Parted *p, int cells, const PartsKeep *keep, const Progress *progress, Error *error) {
+    return bake_parts(&p->options, &p->scene, cells, keep, progress, &p->arena, &p->doors, &p->mesh,
+                      &p->light, &p->report, error);
+}
+
 static void bake(Parted *p, int cells, int threads) {
     Error error = {""};
     p->options.rad.threads = threads;
-    cr_assert(bake_parts(&p->options, &p->scene, cells, NULL, &p->arena, &p->doors, &p->mesh, &p->light,
-                         &p->report, &error),
-              "%s", error.text);
+    cr_assert(try_bake(p, cells, NULL, NULL, &error), "%s", error.text);
 }
 
 static void end(Parted *p) {
@@ -160,4 +167,107 @@ Test(parts, the_same_on_any_threads) {
                      (size_t)one->light.node_count * sizeof *one->light.node) == 0);
     end(one);
     end(three);
+}
+
+// ---- light that is kept
+
+// Asks to stop at the report with this number, -1: at none. Counts them.
+typedef struct Stop {
+    int at, count;
+} Stop;
+static bool count_down(void *context, const char *stage, double done) {
+    Stop *stop = context;
+    (void)stage, (void)done;
+    return stop->count++ != stop->at;
+}
+
+static void expect_same(const Parted *a, const Parted *b, const char *what) {
+    cr_assert_eq(a->mesh.element_count, b->mesh.element_count);
+    cr_assert_eq(a->light.node_count, b->light.node_count);
+    cr_expect_eq(a->light.shots, b->light.shots, "%s", what);
+    cr_expect(memcmp(a->light.emitted, b->light.emitted, sizeof a->light.emitted) == 0, "%s", what);
+    cr_expect(memcmp(a->light.absorbed, b->light.absorbed, sizeof a->light.absorbed) == 0, "%s", what);
+    cr_expect(memcmp(a->light.radiosity, b->light.radiosity,
+                     (size_t)a->mesh.element_count * sizeof *a->light.radiosity) == 0,
+              "%s", what);
+    cr_expect(memcmp(a->light.node, b->light.node, (size_t)a->light.node_count * sizeof *a->light.node) == 0,
+              "%s", what);
+}
+
+// A bake that is stopped at moments all over it, and goes on from what was kept, is to the last bit one that never was. Each state is kept.
+static void check_going_on(const char *path, bool day, double element, int cells) {
+    Parted *whole = load(path, day, element, 1e-3), *parted = load(path, day, element, 1e-3);
+    Error error = {""};
+    const char *folder = arena_format(&whole->arena, "%s/kept", support_folder(&whole->arena));
+    PartsKeep keep = {folder, 0, false};
+    Stop stop = {-1, 0};
+    Progress progress = {count_down, &stop};
+    bake(whole, cells, 0);
+    cr_assert(try_bake(parted, cells, &keep, &progress, &error), "%s", error.text);
+    expect_same(whole, parted, "kept all along");
+    cr_assert(parted->report.kept >= 3 && parted->report.parts > 1, "kept %d times", parted->report.kept);
+    const int reports = stop.count, tries = support_count(4, 40);
+    int resumed = 0;
+    for (int i = 1; i <= tries; i++) {
+        kept_remove(folder, INT_MAX);
+        keep.resume = false;
+        stop = (Stop){reports * i / (tries + 1), 0};
+        if (try_bake(parted, cells, &keep, &progress, &error)) continue;
+        int set, parts = parted->report.parts;
+        bool kept = kept_find(folder, parts, &set, NULL);
+        cr_expect_eq(strstr(error.text, "--resume") != NULL, kept, "%s", error.text);
+        if (!kept) continue;
+        keep.resume = true;
+        stop.at = -1;
+        cr_assert(try_bake(parted, cells, &keep, &progress, &error), "%s", error.text);
+        expect_same(whole, parted, "gone on");
+        resumed++;
+    }
+    cr_expect_geq(resumed, tries / 4);
+    kept_remove(folder, INT_MAX);
+    end(whole);
+    end(parted);
+}
+
+// Proves it by night and by day.
+Test(parts, goes_on_from_what_was_kept, .timeout = 600) {
+    check_going_on("build/maps/two-rooms.plan", false, 0.4, 2);
+    check_going_on("build/maps/two-rooms.plan", true, 0.5, 2);
+}
+
+// Proves that a set with a file missing is passed over for the one before it, and that files of other parts, of another day and damaged
+// ones are refused with a sentence.
+Test(parts, refuses_what_does_not_fit) {
+    Parted *p = load("build/maps/two-rooms.plan", false, 0.5, 1e-2),
+           *day = load("build/maps/two-rooms.plan", true, 0.5, 1e-2);
+    Error error = {""};
+    const char *folder = arena_format(&p->arena, "%s/kept", support_folder(&p->arena));
+    PartsKeep keep = {folder, 0, false}, resume = {folder, 1e9, true};
+    int set, other;
+    cr_expect_not(try_bake(p, 2, &resume, NULL, &error));
+    cr_expect(strstr(error.text, "holds no light of all"), "%s", error.text);
+    cr_assert(try_bake(p, 2, &keep, NULL, &error), "%s", error.text);
+    int parts = p->report.parts;
+    cr_assert(kept_find(folder, parts, &set, &error), "%s", error.text);
+    cr_expect_eq(set, kept_last(folder));
+    cr_expect_not(kept_find(folder, parts + 1, &other, &error));
+    cr_expect(strstr(error.text, "(asked for: "), "%s", error.text);
+    cr_expect_not(try_bake(day, 2, &resume, NULL, &error));
+    cr_expect(strstr(error.text, "was made under"), "%s", error.text);
+    // A newer set, of which the last file was never written, and what a killed program left.
+    for (int i = 0; i + 1 < parts; i++)
+        cr_assert(file_write(kept_file(folder, set + 1, i, parts, &p->arena), "x", 1, &error));
+    cr_assert(file_write(
+        arena_format(&p->arena, "%s.0.part", kept_file(folder, set + 1, parts - 1, parts, &p->arena)), "x", 1,
+        &error));
+    cr_assert(kept_find(folder, parts, &other, &error), "%s", error.text);
+    cr_expect_eq(other, set);
+    cr_assert(try_bake(p, 2, &resume, NULL, &error), "%s", error.text);
+    cr_assert(file_write(kept_file(folder, set + 1, parts - 1, parts, &p->arena), "x", 1, &error));
+    cr_expect_not(try_bake(p, 2, &resume, NULL, &error));
+    cr_expect(strstr(error.text, kept_file(folder, set + 1, 0, parts, &p->arena)), "%s", error.text);
+    kept_remove(folder, INT_MAX);
+    cr_expect_neq(access(folder, F_OK), 0);
+    end(p);
+    end(day);
 }

@@ -589,11 +589,13 @@ static void check_objects(Check *c) {
             check_fault(c, "object %d (%s): leaf %d (allowed 0 to %d)", i, text_of(o->name), o->leaf,
                         b->leaf_count - 1);
         }
-        bool proxy = good(o->proxy_z0) && good(o->proxy_z1) && o->proxy_z0 <= o->proxy_z1;
-        for (int k = 0; k < 4; k++) proxy = proxy && good(o->proxy[k].x) && good(o->proxy[k].y);
-        if (!proxy) {
+        if (!o->proxy) continue;
+        bool sound = good(o->proxy->z0) && good(o->proxy->z1) && o->proxy->z0 < o->proxy->z1;
+        for (int k = 0; k < 4; k++)
+            sound = sound && good(o->proxy->corner[k].x) && good(o->proxy->corner[k].y);
+        if (!sound) {
             check_fault(c, "object %d (%s): its proxy is not finite or reaches from %g up to %g", i,
-                        text_of(o->name), o->proxy_z0, o->proxy_z1);
+                        text_of(o->name), o->proxy->z0, o->proxy->z1);
         }
     }
 }

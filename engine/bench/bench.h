@@ -37,6 +37,8 @@ typedef struct BenchArguments {
     int rays;
     // 20 shooters, 300,000 rays.
     bool quick;
+    // Buildings of up to so many rooms are baked.
+    int baked_rooms;
     // Points at which light is compared; 0: as the benchmark likes.
     int points;
     // Standard error of the truth there, relative; 0: as the benchmark likes.

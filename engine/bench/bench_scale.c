@@ -1,6 +1,6 @@
-// bench_scale.c - what each stage costs as a building grows, from reading to the query of a frame: buildings of the same kind with more
-// and more rooms (build/generate campus-N). Every building has a process of its own and one thread. The slopes of a kind, of the line
-// that fits the logarithms best, go to standard error: 1 is cost that grows with rooms.
+// bench_scale.c - what each stage costs as a building grows, from reading to the query of a frame and to a bake: buildings of the same kind
+// with more and more rooms (build/generate campus-N). Every building has a process of its own and one thread. The slopes of a kind, of the
+// line that fits the logarithms best, go to standard error: 1 is cost that grows with rooms.
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -14,20 +14,37 @@
 #include "engine/core/random.h"
 #include "engine/core/text.h"
 #include "engine/draw/view.h"
+#include "engine/scene/bake_mesh.h"
 #include "maps/maps.h"
+#include "radiosity/show/direct.h"
 #include "visibility/pairs/campus.h"
 
 static const char HEAD[] = "rooms,stage,seconds,peak_mb,count,building\n";
 
-typedef enum Stage { READING, CELLS, PAIRS, TREES, MEMORY, QUERY, DRAWN, PAIR, STAGES } Stage;
-static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees",
-                                                "memory",  "query", "drawn", "pair"};
+typedef enum Stage {
+    READING,
+    CELLS,
+    PAIRS,
+    TREES,
+    MEMORY,
+    QUERY,
+    DRAWN,
+    PAIR,
+    MESH,
+    SHOOTING,
+    SHOT,
+    SHOWN,
+    STAGES
+} Stage;
+static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees",    "memory", "query",
+                                                "drawn",   "pair",  "mesh",  "shooting", "shot",   "shown"};
 
 // The figures of one building. `peak_mb` is the memory that the process had at most during a stage, less what it began with.
 typedef struct Scale {
     const char *file;
     const BenchArguments *arguments;
     int rooms;
+    bool baked;
     struct {
         double seconds, peak_mb, count;
     } stage[STAGES];
@@ -174,9 +191,44 @@ static bool run_stages(Scale *s) {
     return true;
 }
 
+// A bake by night to the usual residual, as `enfilade bake` makes it: the mesh that follows the light; shots and what is gathered along
+// their rows; light at the nodes. The building is read once more, with its lamps, which is not counted.
+static bool run_bake(Scale *s, double base) {
+    Arena arena = {0};
+    LoadedScene scene;
+    SceneOptions load = s->arguments->load;
+    BakeOptions options = bake_default_options();
+    RadSolution light;
+    RadReport report = {0};
+    Mesh mesh;
+    float *doors;
+    double start;
+    load.lamps = SCENE_LAMPS_ALL;
+    load.day.night = true;
+    load.vis.threads = options.rad.threads = options.mesh.threads = 1;
+    if (!scene_load(s->file, &load, &arena, &scene, &s->error)) return false;
+    begin_stage(&start);
+    if (!bake_mesh(&options, &scene, NULL, NULL, &arena, &doors, &mesh, &s->error)) return false;
+    end_stage(s, MESH, start, base, mesh.element_count);
+    rad_fit(&mesh, &options.rad);
+    begin_stage(&start);
+    if (!rad_start(&mesh, &arena, &light, &s->error)) return false;
+    report = rad_shoot(&mesh, &scene.forest, doors, &options.rad, NULL, &light);
+    end_stage(s, SHOOTING, start, base, (double)report.shots);
+    s->stage[SHOT].seconds = s->stage[SHOOTING].seconds / (double)report.shots;
+    s->stage[SHOT].count = report.elements_drawn_mean;
+    begin_stage(&start);
+    direct_show(&mesh, &scene.forest, doors, 1, NULL, &arena, &light, &report);
+    end_stage(s, SHOWN, start, base, light.node_count);
+    s->baked = true;
+    arena_free(&arena);
+    return true;
+}
+
 static void run_apart(void *context) {
     Scale *s = context;
-    s->good = run_stages(s);
+    double base = status_mb("VmRSS");
+    s->good = run_stages(s) && (s->rooms > s->arguments->baked_rooms || run_bake(s, base));
 }
 
 static bool measure_file(const char *file, const BenchArguments *a, Scale *out, Error *error) {
@@ -192,7 +244,7 @@ static bool measure_file(const char *file, const BenchArguments *a, Scale *out, 
 
 static void add_rows(const Scale *s, Text *csv) {
     size_t before = csv->size;
-    for (int i = 0; i < STAGES; i++)
+    for (int i = 0; i < (s->baked ? STAGES : MESH); i++)
         text_append(csv, "%d,%s,%.9g,%.2f,%.6g,%s\n", s->rooms, STAGE_NAMES[i], s->stage[i].seconds,
                     s->stage[i].peak_mb, s->stage[i].count, bench_name(s->file));
     fputs(csv->data + before, stdout);
@@ -226,13 +278,17 @@ static void tell_slopes(const Scale *all, int count) {
         for (int k = 0; k < i; k++) told = told || same_kind(all[k].file, all[i].file);
         if (told || isnan(slope(all, count, all[i].file, READING, false))) continue;
         const char *name = bench_name(all[i].file);
-        for (Stage stage = READING; stage <= QUERY; stage++) {
+        for (Stage stage = READING; stage < STAGES; stage++) {
+            if (stage == DRAWN || stage == PAIR ||
+                isnan(slope(all, count, all[i].file, stage, stage == MEMORY)))
+                continue;
             double time = slope(all, count, all[i].file, stage, false),
                    memory = slope(all, count, all[i].file, stage, true);
             fprintf(stderr, "%.*s: %s grows with rooms to the power of", (int)strcspn(name, "-"), name,
                     STAGE_NAMES[stage]);
-            if (stage != MEMORY) fprintf(stderr, " %.2f in time,", time);
-            fprintf(stderr, " %.2f in memory\n", memory);
+            if (stage != MEMORY) fprintf(stderr, " %.2f in time", time);
+            if (!isnan(memory)) fprintf(stderr, "%s %.2f in memory", stage != MEMORY ? "," : "", memory);
+            fputc('\n', stderr);
         }
     }
 }
@@ -256,17 +312,22 @@ static bool measure_scale(const BenchArguments *a, Error *error) {
 
 static const Option ROWS[] = {
     BENCH_SEED("of the places from which frames are asked for"),
+    {.name = "baked-rooms",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = offsetof(BenchArguments, baked_rooms),
+     .high = 1000000,
+     .help = "buildings of up to so many rooms are baked, too, @ (default 2000; 0: none)"},
     BENCH_CSV,
 };
 
 const Bench BENCH_SCALE = {
     .name = "scale",
     .about = "what each stage costs as buildings of one kind grow: reading, cells, pairs of cells that see "
-             "each other, stab trees, all "
-             "memory, the query of a frame, polygons drawn, one pair; seconds of one thread, MB at most "
-             "above those of "
-             "the empty program; the "
-             "slopes go to standard error",
+             "each other, stab trees, all memory, the query of a frame, polygons drawn, one pair, a bake: "
+             "its mesh, "
+             "shooting, one shot, light as it is shown; seconds of one thread, MB at most above those of the "
+             "empty program; the slopes go to standard error",
     BENCH_OPTIONS(ROWS),
     .run = measure_scale,
     .files = "build/maps/campus-10.plan build/maps/campus-100.plan build/maps/campus-1000.plan "

@@ -88,6 +88,7 @@ static int run_bench(const Bench *bench, int argc, char **argv) {
                         .steps = 100000,
                         .seed = 1,
                         .samples = 12,
+                        .baked_rooms = 2000,
                         .cullings = "none,depth,stab",
                         .resolutions = {50, 71, 100, 141, 200},
                         .resolution_count = 5,

@@ -107,8 +107,8 @@ void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, i
     return larger;
 }
 
-// Makes a block that holds nothing but this piece larger, by the system's pages where it can: so the piece is not there twice while it
-// grows. Returns where the piece is then, NULL where it has no block of its own.
+// Makes a block that holds nothing but this piece larger or smaller, by the system's pages where it can: so the piece is not there twice
+// while it grows. Returns where the piece is then, NULL where it has no block of its own.
 static void *grow_own_block(Arena *arena, const void *piece, size_t before, size_t after) {
     before = (before + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
     after = (after + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
@@ -116,7 +116,8 @@ static void *grow_own_block(Arena *arena, const void *piece, size_t before, size
         ArenaBlock *block = *at;
         if ((const char *)piece != (char *)block + HEADER) continue;
         if (block->used != before || GAP) return NULL;
-        size_t shift = (size_t)((char *)block - (char *)block->whole), held = HEADER + before;
+        size_t shift = (size_t)((char *)block - (char *)block->whole),
+               held = HEADER + (before < after ? before : after);
         char *whole = memory_grow(block->whole, ALIGNMENT + HEADER + after),
              *aligned = whole + (ALIGNMENT - (uintptr_t)whole % ALIGNMENT);
         if (aligned != whole + shift) memmove(aligned, whole + shift, held);
@@ -130,6 +131,16 @@ static void *grow_own_block(Arena *arena, const void *piece, size_t before, size
     return NULL;
 }
 
+// A piece in a block of its own, which can grow, even where another block has room for it.
+static void *own_piece(Arena *arena, size_t asked) {
+    size_t bytes = (asked + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
+    ArenaBlock *block = add_own_block(arena, bytes);
+    block->used = block->dirty = bytes;
+    arena->used += bytes;
+    allow((char *)block + HEADER, asked);
+    return (char *)block + HEADER;
+}
+
 void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
     size_t before = (size_t)*capacity * size;
     if (needed <= *capacity || !array || before < LARGE_PIECE)
@@ -137,9 +148,18 @@ void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed,
     int room = before < LARGEST_GROWTH ? *capacity * 2 : *capacity + *capacity / 8;
     if (room < needed) room = needed + 64;
     void *larger = grow_own_block(arena, array, before, (size_t)room * size);
-    if (!larger) return arena_room(arena, array, size, used, needed, capacity);
+    if (!larger) {
+        larger = own_piece(arena, (size_t)room * size);
+        memcpy(larger, array, (size_t)used * size);
+    }
     *capacity = room;
     return larger;
+}
+
+void *arena_fit(Arena *arena, void *array, size_t size, int count, int capacity) {
+    if (!array || (size_t)capacity * size < LARGE_PIECE || count <= 0) return array;
+    void *smaller = grow_own_block(arena, array, (size_t)capacity * size, (size_t)count * size);
+    return smaller ? smaller : array;
 }
 
 char *arena_string(Arena *arena, const char *text) {

@@ -46,6 +46,10 @@ void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, i
 // not zeroed. For the largest arrays of a building, where the outgrown ones would be as much again.
 void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed, int *capacity);
 
+// The array, which holds `count` elements and grows no more: where it is large and grew by arena_regrow, the room for more is given back,
+// and it may have moved.
+void *arena_fit(Arena *arena, void *array, size_t size, int count, int capacity);
+
 // ARENA_PUSH by arena_regrow.
 #define ARENA_APPEND(arena, array, count, capacity)                                                          \
     ((array) = arena_regrow((arena), (array), sizeof *(array), (count), (count) + 1, &(capacity)),           \

@@ -190,7 +190,7 @@ static void draw_tree(const PlanDrawing *d) {
 // Draws the outline of an object's coarse box, with treads hatched across its longer side.
 static void draw_stair(const PlanDrawing *d, const Object *object) {
     DrawStyle line = {.stroke = 0x9aa6b4, .width = 0.7 * d->point};
-    const Vec2 *p = object->proxy;
+    const Vec2 *p = object->proxy->corner;
     int side = vec2_length(vec2_sub(p[1], p[0])) >= vec2_length(vec2_sub(p[2], p[1])) ? 0 : 1;
     Vec2 along = vec2_sub(p[side + 1], p[side]), across = vec2_sub(p[(side + 3) % 4], p[side]);
     int treads = (int)fmin(fmax(vec2_length(along) / PLAN_TREAD, 1), 100);
@@ -206,9 +206,9 @@ static void draw_stairs(const PlanDrawing *d) {
     const Building *b = d->view->graph->building;
     for (int i = 0; i < b->object_count; i++) {
         const Object *o = &b->objects[i];
-        if (o->kind != OBJECT_STAIR || o->proxy_z0 >= o->proxy_z1) continue;
+        if (o->kind != OBJECT_STAIR || !o->proxy) continue;
         Box box = d->view->graph->object_boxes[i];
-        bool here = o->proxy_z0 < d->z && o->proxy_z1 > d->z - PLAN_CUT;
+        bool here = o->proxy->z0 < d->z && o->proxy->z1 > d->z - PLAN_CUT;
         if (here && in_area(d, box)) draw_stair(d, o);
     }
 }

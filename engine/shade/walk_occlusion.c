@@ -42,16 +42,18 @@ struct WalkOcclusion {
 
 static void add_box(WalkOcclusion *occlusion, Arena *arena, int object) {
     const Object *o = &occlusion->graph->objects[object];
-    Vec2 x = vec2_sub(o->proxy[1], o->proxy[0]), y = vec2_sub(o->proxy[3], o->proxy[0]);
-    double width = vec2_length(x), depth = vec2_length(y), height = o->proxy_z1 - o->proxy_z0;
+    if (!o->proxy) return;
+    const Vec2 *corner = o->proxy->corner;
+    Vec2 x = vec2_sub(corner[1], corner[0]), y = vec2_sub(corner[3], corner[0]);
+    double width = vec2_length(x), depth = vec2_length(y), height = o->proxy->z1 - o->proxy->z0;
     if (height < OCCLUDER_LEAST || width <= 0 || fmin(width, depth) > OCCLUDER_MOST) return;
     *ARENA_PUSH(arena, occlusion->occluders, occlusion->count, occlusion->capacity) =
-        (Occluder){vec2_scale(vec2_add(o->proxy[0], o->proxy[2]), 0.5),
+        (Occluder){vec2_scale(vec2_add(corner[0], corner[2]), 0.5),
                    vec2_scale(x, 1 / width),
                    width / 2,
                    depth / 2,
                    height / 2,
-                   (o->proxy_z0 + o->proxy_z1) / 2,
+                   (o->proxy->z0 + o->proxy->z1) / 2,
                    o->kind == OBJECT_FURNITURE ? FURNITURE_BLOCKS : 1,
                    object};
 }

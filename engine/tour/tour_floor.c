@@ -51,7 +51,7 @@ static int place_near(const TourFloor *f, int column, double z, double rise) {
 
 static bool in_prism(const Object *o, Vec2 at, double grow) {
     for (int i = 0; i < 4; i++) {
-        Vec2 a = o->proxy[i], edge = vec2_sub(o->proxy[(i + 1) % 4], a);
+        Vec2 a = o->proxy->corner[i], edge = vec2_sub(o->proxy->corner[(i + 1) % 4], a);
         double length = vec2_length(edge);
         if (length > 0 && vec2_cross(edge, vec2_sub(at, a)) < -grow * length) return false;
     }
@@ -60,13 +60,13 @@ static bool in_prism(const Object *o, Vec2 at, double grow) {
 
 static bool is_thing(const Object *o) {
     bool thing = o->kind == OBJECT_FURNITURE || o->kind == OBJECT_LAMP || o->kind == OBJECT_LOW_WALL;
-    return thing && o->proxy_z1 > o->proxy_z0;
+    return thing && o->proxy;
 }
 
 bool tour_floor_in_things(const Building *b, Vec3 eye, double grow) {
     for (int i = 0; i < b->object_count; i++) {
         const Object *o = &b->objects[i];
-        if (is_thing(o) && eye.z > o->proxy_z0 - grow && eye.z < o->proxy_z1 + grow &&
+        if (is_thing(o) && eye.z > o->proxy->z0 - grow && eye.z < o->proxy->z1 + grow &&
             in_prism(o, vec2(eye.x, eye.y), grow))
             return true;
     }
@@ -83,10 +83,10 @@ static unsigned unfit_of(const Flood *w, const Body *body) {
         const Object *o = &graph->building->objects[w->things[i]];
         Box reach = box_grow(graph->object_boxes[w->things[i]], BODY_RADIUS);
         if (at.x < reach.min.x || at.x > reach.max.x || at.y < reach.min.y || at.y > reach.max.y) continue;
-        if (o->proxy_z0 > eye + EYE_CLEAR || o->proxy_z1 < body->foot.z - LEVEL) continue;
-        if (eye < o->proxy_z1 + EYE_CLEAR) {
+        if (o->proxy->z0 > eye + EYE_CLEAR || o->proxy->z1 < body->foot.z - LEVEL) continue;
+        if (eye < o->proxy->z1 + EYE_CLEAR) {
             if (!(unfit & FLOOR_IN_THINGS) && in_prism(o, at, EYE_CLEAR)) unfit |= FLOOR_IN_THINGS;
-        } else if (body->foot.z > o->proxy_z0 + ON_THINGS && body->foot.z < o->proxy_z1 + ON_THINGS &&
+        } else if (body->foot.z > o->proxy->z0 + ON_THINGS && body->foot.z < o->proxy->z1 + ON_THINGS &&
                    in_prism(o, at, BODY_RADIUS)) {
             unfit |= FLOOR_ON_THINGS;
         }

@@ -27,7 +27,7 @@ int building_add_material(Arena *arena, Building *b, Material material) {
 }
 
 int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name) {
-    Object *o = ARENA_PUSH(arena, b->objects, b->object_count, b->object_capacity);
+    Object *o = ARENA_APPEND(arena, b->objects, b->object_count, b->object_capacity);
     *o = (Object){.kind = kind,
                   .name = arena_string(arena, name ? name : ""),
                   .first_polygon = b->polygon_count,
@@ -236,7 +236,7 @@ int building_polygons_allowed(double file_size) {
     return (int)fmin(fmax(most, LEAST), BUILDING_MOST_POLYGONS);
 }
 
-void building_set_proxy(Building *b, double angle) {
+void building_set_proxy(Arena *arena, Building *b, double angle) {
     if (b->object_count == 0) return;
     Object *o = &b->objects[b->object_count - 1];
     Vec2 u = vec2(cos(angle), sin(angle)), w = vec2(-u.y, u.x);
@@ -248,12 +248,15 @@ void building_set_proxy(Building *b, double angle) {
             box = box_add(box, vec3(v.x * u.x + v.y * u.y, v.x * w.x + v.y * w.y, v.z));
         }
     }
-    if (box_is_empty(box)) return;
+    o->proxy = NULL;
+    if (!(box.min.z < box.max.z)) return;
     double x[4] = {box.min.x, box.max.x, box.max.x, box.min.x},
            y[4] = {box.min.y, box.min.y, box.max.y, box.max.y};
-    for (int i = 0; i < 4; i++) o->proxy[i] = vec2_add(vec2_scale(u, x[i]), vec2_scale(w, y[i]));
-    o->proxy_z0 = box.min.z;
-    o->proxy_z1 = box.max.z;
+    ObjectProxy *proxy = ARENA_ARRAY(arena, ObjectProxy, 1);
+    for (int i = 0; i < 4; i++) proxy->corner[i] = vec2_add(vec2_scale(u, x[i]), vec2_scale(w, y[i]));
+    proxy->z0 = box.min.z;
+    proxy->z1 = box.max.z;
+    o->proxy = proxy;
 }
 
 void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...) {

@@ -195,16 +195,21 @@ typedef enum ObjectKind {
 } ObjectKind;
 
 // Polygons that belong together and are drawn together.
+// The coarse stand-in of an object for tours, shade and plans: an upright box.
+typedef struct ObjectProxy {
+    Vec2 corner[4];  // counter-clockwise
+    double z0, z1;   // z0 < z1
+} ObjectProxy;
+
+// A building has millions of surfaces that are objects without a proxy.
 typedef struct Object {
     ObjectKind kind;
+    bool plug;  // fills the contact of a door's halves: present only while the door is closed
     const char *name;
     int first_polygon, polygon_count;
-    int opening;  // the door or window it is part of, or -1
-    int leaf;     // in Building.leaves, with which it moves; drawn here as when closed; or -1
-    bool plug;    // fills the contact of a door's halves: present only while the door is closed
-    // The coarse stand-in for collision and light: a vertical prism or box. Its plan corners, counter-clockwise.
-    Vec2 proxy[4];
-    double proxy_z0, proxy_z1;  // equal: no stand-in
+    int opening;               // the door or window it is part of, or -1
+    int leaf;                  // in Building.leaves, with which it moves; drawn here as when closed; or -1
+    const ObjectProxy *proxy;  // NULL: none
 } Object;
 
 // A flat piece let into a floor or a ceiling (a lamp panel, a carpet): where it lies, the floor or ceiling is
@@ -396,8 +401,8 @@ void building_half_texel(const Texture *texture, double half[2]);
 // the user grants memory (--memory), as many as fit into it, up to the same maximum.
 enum { BUILDING_MOST_POLYGONS = 4000000 };
 int building_polygons_allowed(double file_size);
-// Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
-void building_set_proxy(Building *b, double angle);
+// Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z. A level object has none.
+void building_set_proxy(Arena *arena, Building *b, double angle);
 // Adds a note; the sentence is formatted as by printf.
 void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...)
     __attribute__((format(printf, 5, 6)));

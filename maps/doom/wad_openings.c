@@ -202,7 +202,7 @@ static void add_leaf_object(Doors *d, const Leaf *leaf, const Vec2 *corner, int 
     int material = leaf->rise > 0 ? r->ceiling_material : r->floor_material;
     building_add_polygon(d->w->arena, b, level, count, material);
     Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
-    building_set_proxy(b, atan2(along.y, along.x));
+    building_set_proxy(d->w->arena, b, atan2(along.y, along.x));
 }
 
 static void add_leaf(Doors *d, int part_index, int piece, Arena *scratch) {

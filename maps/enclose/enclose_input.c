@@ -236,7 +236,7 @@ void enclose_add_low_wall(Enclosure *e, int wall) {
     if (n <= MOST_CORNERS || n % 2) building_add_polygon(e->arena, b, top, n, top_material);
     if (w->z0 > b->storeys[w->storey].floor + MAPS_GRID)
         building_add_polygon(e->arena, b, bottom, n, s->outer_material);
-    building_set_proxy(b, w->angle);
+    building_set_proxy(e->arena, b, w->angle);
 }
 
 static void sort_walls(Enclosure *e) {

@@ -65,7 +65,7 @@ static void append_leaves(Enclosure *e, int hole) {
     }
     for (int i = 0; i < o->leaf_count; i++) {
         leaves[i].opening = b->opening_count - 1;
-        *ARENA_PUSH(e->arena, b->leaves, b->leaf_count, b->leaf_capacity) = leaves[i];
+        *ARENA_APPEND(e->arena, b->leaves, b->leaf_count, b->leaf_capacity) = leaves[i];
     }
 }
 
@@ -135,7 +135,7 @@ static void draw_leaves(Enclosure *e, int hole) {
         } else {
             add_leaf_box(e, leaf, vec2(0, width), vec2(0, height), leaf->thickness, o->material);
         }
-        building_set_proxy(b, atan2(along.y, along.x));
+        building_set_proxy(e->arena, b, atan2(along.y, along.x));
     }
 }
 
@@ -298,7 +298,7 @@ void openings_append(Enclosure *e) {
         h->opening = b->opening_count;
         int material =
             s->material >= 0 && s->material < b->material_count ? s->material : e->sketch->outer_material;
-        *ARENA_PUSH(e->arena, b->openings, b->opening_count, b->opening_capacity) =
+        *ARENA_APPEND(e->arena, b->openings, b->opening_count, b->opening_capacity) =
             (Opening){.kind = s->kind,
                       .name = arena_string(e->arena, s->name ? s->name : ""),
                       .storey = s->storey,

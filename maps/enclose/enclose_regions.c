@@ -25,7 +25,7 @@ void enclose_push_point(Enclosure *e, Vec2 metres, int material) {
         b->edge_capacity = capacity;
     }
     b->edge_material[b->point_count] = material;
-    *ARENA_PUSH(e->arena, b->points, b->point_count, b->point_capacity) = metres;
+    *ARENA_APPEND(e->arena, b->points, b->point_count, b->point_capacity) = metres;
 }
 
 // ---- materials of edges
@@ -437,7 +437,7 @@ static void append_root(Tracer *t, int root, const Loops *loops) {
                 append_ring(t, hole, &e->spans[root]);
         }
         described.ring_count = b->ring_count - described.first_ring;
-        *ARENA_PUSH(e->arena, b->regions, b->region_count, b->region_capacity) = described;
+        *ARENA_APPEND(e->arena, b->regions, b->region_count, b->region_capacity) = described;
     }
     for (int i = t->first[root]; i < t->first[root + 1]; i++) e->spans[t->list[i]].region = region;
 }

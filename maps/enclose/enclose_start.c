@@ -44,9 +44,9 @@ static Furniture furniture_near(const Building *b, Vec2 low, Vec2 high, double z
     double reach = fmin(high.x - low.x, high.y - low.y);  // twice as far as a place can be from the sides
     for (int i = 0; i < b->object_count; i++) {
         const Object *o = &b->objects[i];
-        if (o->proxy_z1 <= o->proxy_z0 || o->proxy_z0 >= z1 || o->proxy_z1 <= z0 || o->leaf >= 0) continue;
+        if (!o->proxy || o->proxy->z0 >= z1 || o->proxy->z1 <= z0 || o->leaf >= 0) continue;
         Box box = box_empty();
-        for (int k = 0; k < 4; k++) box = box_add(box, vec3(o->proxy[k].x, o->proxy[k].y, 0));
+        for (int k = 0; k < 4; k++) box = box_add(box, vec3(o->proxy->corner[k].x, o->proxy->corner[k].y, 0));
         if (box.min.x > high.x + reach || box.max.x < low.x - reach || box.min.y > high.y + reach ||
             box.max.y < low.y - reach)
             continue;
@@ -62,7 +62,7 @@ static double clear_of(const Furniture *furniture, Vec2 q, double limit) {
         double out =
             -INFINITY;  // distance to the farthest side plane: exact beside a side, small at a corner
         for (int k = 0; k < 4; k++) {
-            Vec2 a = o->proxy[k], d = vec2_sub(o->proxy[(k + 1) % 4], a);
+            Vec2 a = o->proxy->corner[k], d = vec2_sub(o->proxy->corner[(k + 1) % 4], a);
             double length = vec2_length(d);
             if (length > 0) out = fmax(out, vec2_cross(vec2_sub(q, a), d) / length);
         }

@@ -299,7 +299,7 @@ static void add_product(IfcPlan *p, int product) {
     // A foundation that ends at the floor is in nobody's way.
     box = box && it->box.max.z > p->b->storeys[ifc_storey_at(p, it->box.max.z)].floor + UNDER_FLOOR;
     object = ifc_add_mesh(p, &it->mesh, kind, name, otherwise);
-    if (object >= 0 && box) building_set_proxy(p->b, atan2(it->axis[0].y, it->axis[0].x));
+    if (object >= 0 && box) building_set_proxy(p->arena, p->b, atan2(it->axis[0].y, it->axis[0].x));
     if (it->kind == IFC_LIGHT && object >= 0) add_fixture(p, product, object);
 }
 

@@ -132,7 +132,8 @@ static bool read_statement(Plan *plan) {
     return unknown_statement(plan, word);
 }
 
-static bool read_lines(Plan *plan, Bytes content) {
+// `scratch` holds the words of one line: statements copy what they keep of them.
+static bool read_lines(Plan *plan, Bytes content, Arena *scratch) {
     const unsigned char *end = content.data + content.size;
     unsigned char *c = content.data;
     if (content.size >= strlen(MARK) && memcmp(c, MARK, strlen(MARK)) == 0) c += strlen(MARK);
@@ -145,7 +146,8 @@ static bool read_lines(Plan *plan, Bytes content) {
             return plan_fail(&plan->line, "a zero byte at column %d (allowed: text)", (int)(zero - c) + 1);
         size_t length = (size_t)(stop - c);
         if (length > 0 && c[length - 1] == '\r') length--;
-        char *text = arena_alloc(plan->arena, length + 1, 1);
+        arena_reset(scratch);
+        char *text = arena_alloc(scratch, length + 1, 1);
         memcpy(text, c, length);
         if (!plan_split(&plan->line, text) || !read_statement(plan)) return false;
         c = stop + 1;
@@ -173,7 +175,10 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     Material plain = {.name = PLAIN, .reflectance = maps_colour(PLAIN_COLOUR), .alpha = 1};
     int index = building_add_material(arena, out, plain);
     if (!plan_declare(&plan->line, &plan->materials, "material", PLAIN, index)) return false;
-    if (!read_lines(plan, content)) return false;
+    Arena scratch = {0};
+    bool good = read_lines(plan, content, &scratch);
+    arena_free(&scratch);
+    if (!good) return false;
     plan_note_ramps(plan);
     if (!plan_fit_openings(plan)) return false;
     Error why = {""};

@@ -731,7 +731,7 @@ bool plan_stand_model(PlanLine *line, Arena *arena, const Building *models, int 
     }
     if (placed) placed[shape->polygon_count] = b->polygon_count;
     stand_shapes(arena, models, model, &turn, placed, b);
-    building_set_proxy(b, stand.angle);
+    building_set_proxy(arena, b, stand.angle);
     for (int i = 0; i < models->light_count; i++) {
         Light light = models->lights[i];
         if (light.object != model) continue;

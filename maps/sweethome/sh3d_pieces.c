@@ -317,7 +317,7 @@ static void finish_object(Sh3d *s, const Piece *p) {
     if (b->objects[b->object_count - 1].polygon_count == 0)
         b->object_count--;
     else
-        building_set_proxy(b, p->angle);
+        building_set_proxy(s->arena, b, p->angle);
 }
 
 // ---- plain stairs

@@ -498,7 +498,7 @@ static void add_low(Sh3d *s, const Sh3dWall *w) {
         }
     }
     Vec2 along = vec2_sub(w->end, w->start);
-    building_set_proxy(s->b, atan2(along.y, along.x));
+    building_set_proxy(s->arena, s->b, atan2(along.y, along.x));
 }
 
 void sh3d_add_walls(Sh3d *s) {

@@ -7,8 +7,8 @@
 #include "maps/building/building.h"
 #include "radiosity/mesh/mesh_parts.h"
 
-// More elements than this are refused: a row of doubles for each thread must fit in memory.
-static const double MOST_ELEMENTS = 2e7;
+// More squares than this are refused: each may be an element, or with splits, which say where elements are small, takes four bytes.
+static const double MOST_SQUARES = 2e7, MOST_SQUARES_SPLIT = 2e8;
 
 MeshOptions mesh_default_options(void) {
     return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05, .proxy = PROXY_TOLERANCE};
@@ -140,7 +140,8 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
     FaceList list = {0};
     places_start(&builder.places, arena);
     add_faces(&builder, &list);
-    bool fits = list.elements <= MOST_ELEMENTS, few_cuts = true;
+    double most = options->splits ? MOST_SQUARES_SPLIT : MOST_SQUARES;
+    bool fits = list.elements <= most, few_cuts = true;
     if (fits && out->face_count > 0) {
         mesh_anchor_outlines(&builder, list.corner);
         few_cuts = mesh_find_cuts(&builder) && mesh_cut_faces(&builder);
@@ -159,7 +160,7 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
     arena_free(&builder.cut_arena);
     if (!fits)
         return error_set(error, "%s: elements of %g m would be %.0f (limit %.0f): take larger ones", source,
-                         options->element, list.elements, MOST_ELEMENTS);
+                         options->element, list.elements, most);
     if (!few_cuts)
         return error_set(
             error, "%s: too many wide polygons to cut elements along what stands on them: --close 0 does not",

@@ -26,13 +26,13 @@ left=${kills:-3} told=0
 begin=$(date +%s%N)
 ranks 0 2 -o "$work/k.rad" --threads 1
 taken=$((($(date +%s%N) - begin) / 1000000))
-for ((n = 2; left > 0; left--, n = 2 + RANDOM % 3)); do
+for ((n = 2; left > 0; n = 2 + RANDOM % 3)); do
     kept=$(ls "$work/k.rad.parts" 2>/dev/null | head -1)
     mpirun --allow-run-as-root --oversubscribe -n $n $several bake $maps/two-rooms.plan --night --element 0.4 --residual 0.001 --parts 2 \
         -o "$work/k.rad" --threads 1 --checkpoint 0.001 ${kept:+--resume} >"$work/out" 2>"$work/err" </dev/null &
     run=$!
     # At any moment, or once a first set is whole.
-    if [ $((left % 3)) -eq 0 ]; then
+    if [ $((RANDOM % 3)) -eq 0 ]; then
         sleep "$(awk -v r=$RANDOM -v t=$taken 'BEGIN { print r / 32768 * t / 1000 }')"
     else
         for ((i = 0; i < 1000; i++)); do
@@ -44,7 +44,8 @@ for ((n = 2; left > 0; left--, n = 2 + RANDOM % 3)); do
     mapfile -t pids < <(pgrep -P $run)
     [ ${#pids[@]} -gt 0 ] && kill -KILL "${pids[RANDOM % ${#pids[@]}]}" 2>/dev/null
     wait $run && continue
-    says err 'exited on signal 9'
+    left=$((left - 1))
+    says err 'signal 9\|exit code'  # the latter if it had not begun yet
     grep -q 'enfilade: stopped: what was found is kept' "$work/err" && told=$((told + 1))
     kept=$(ls "$work/k.rad.parts" 2>/dev/null | head -1)
     ranks 0 $((1 + RANDOM % 4)) -o "$work/k.rad" --threads 1 ${kept:+--resume}

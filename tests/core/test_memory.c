@@ -33,6 +33,31 @@ Test(memory, counts_what_is_in_use) {
     cr_expect_geq(memory_peak(), least);
 }
 
+// Proves that large arrays grow where they are, whatever else is allocated between: two that grow by turns leave no
+// outgrown copies of theirs, which would be as much again; and that they hold what was put into them.
+Test(memory, large_arrays_grow_in_place) {
+    enum { COUNT = 6000000 };
+    Arena arena = {0};
+    int *number = NULL, counts[2] = {0}, capacities[2] = {0};
+    double *half = NULL;
+    // Blocks become large, and the last one has room for much.
+    for (int i = 0; i < 300; i++) arena_alloc(&arena, 400000, 1);
+    size_t used = arena.used;
+    for (int i = 0; i < COUNT; i++) {
+        *ARENA_APPEND(&arena, number, counts[0], capacities[0]) = i;
+        *ARENA_APPEND(&arena, half, counts[1], capacities[1]) = i / 2.0;
+        if (i % 100000 == 0) arena_alloc(&arena, 1000, 1);
+    }
+    for (int i = 0; i < COUNT; i++) cr_assert(number[i] == i && half[i] == i / 2.0, "element %d", i);
+    used += (size_t)COUNT * (sizeof *number + sizeof *half);
+    number = arena_fit(&arena, number, sizeof *number, COUNT, capacities[0]);
+    half = arena_fit(&arena, half, sizeof *half, COUNT, capacities[1]);
+    for (int i = 0; i < COUNT; i++) cr_assert(number[i] == i && half[i] == i / 2.0, "element %d", i);
+    // The outgrown ones of up to 2 MB stay, 4 MB of each.
+    cr_expect_leq(arena.used, used + (9 << 20), "%zu bytes in use for %zu", arena.used, used);
+    arena_free(&arena);
+}
+
 // A dense arena hands out what any arena does: zeroed memory, aligned, also behind its first large pages; and it stays dense.
 Test(memory, dense_arenas_are_arenas) {
     enum { PIECES = 40, PIECE = 3000000 };

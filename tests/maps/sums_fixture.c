@@ -18,8 +18,9 @@ void sums_of_sum_polygons(SumFile *f, const Object *objects, int object_count, c
         const Object *o = &objects[i];
         int words[] = {(int)o->kind, o->first_polygon, o->polygon_count, o->opening, o->leaf, o->plug};
         sum_ints(&drawn, words, sizeof words / sizeof *words);
-        for (int k = 0; k < 4; k++) sum_add2(&drawn, o->proxy[k]);
-        sum_add2(&drawn, vec2(o->proxy_z0, o->proxy_z1));
+        const ObjectProxy none = {0}, *proxy = o->proxy ? o->proxy : &none;
+        for (int k = 0; k < 4; k++) sum_add2(&drawn, proxy->corner[k]);
+        sum_add2(&drawn, vec2(proxy->z0, proxy->z1));
     }
     for (int i = 0; i < polygon_count; i++) sum_ints(&drawn, &polygons[i].first_vertex, 3);
     for (int i = 0; i < vertex_count; i++) sum_add3(&places, vertices[i]);

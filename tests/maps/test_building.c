@@ -89,12 +89,14 @@ Test(building, proxy) {
     double c = cos(0.5), s = sin(0.5);
     Vec3 top[4] = {{0, 0, 0.7}, {2 * c, 2 * s, 0.7}, {2 * c - s, 2 * s + c, 0.75}, {-s, c, 0.75}};
     building_add_polygon(&arena, &b, top, 4, 0);
-    building_set_proxy(&b, 0.5);
+    building_set_proxy(&arena, &b, 0.5);
     const Object *o = &b.objects[0];
-    cr_expect_float_eq(vec2_length(vec2_sub(o->proxy[1], o->proxy[0])), 2, 1e-12);
-    cr_expect_float_eq(vec2_length(vec2_sub(o->proxy[2], o->proxy[1])), 1, 1e-12);
-    cr_expect_gt(vec2_cross(vec2_sub(o->proxy[1], o->proxy[0]), vec2_sub(o->proxy[2], o->proxy[1])), 0);
-    cr_expect_float_eq(o->proxy_z0, 0.7, 0);
-    cr_expect_float_eq(o->proxy_z1, 0.75, 0);
+    cr_expect_float_eq(vec2_length(vec2_sub(o->proxy->corner[1], o->proxy->corner[0])), 2, 1e-12);
+    cr_expect_float_eq(vec2_length(vec2_sub(o->proxy->corner[2], o->proxy->corner[1])), 1, 1e-12);
+    cr_expect_gt(vec2_cross(vec2_sub(o->proxy->corner[1], o->proxy->corner[0]),
+                            vec2_sub(o->proxy->corner[2], o->proxy->corner[1])),
+                 0);
+    cr_expect_float_eq(o->proxy->z0, 0.7, 0);
+    cr_expect_float_eq(o->proxy->z1, 0.75, 0);
     arena_free(&arena);
 }

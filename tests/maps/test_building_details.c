@@ -39,6 +39,8 @@ static Building detailed_building(Arena *arena) {
     return b;
 }
 
+static const ObjectProxy UPSIDE_DOWN = {.z0 = 3, .z1 = 2};
+
 static void spoil_details(Building *b, int way) {
     switch (way) {
     case 0:
@@ -57,7 +59,7 @@ static void spoil_details(Building *b, int way) {
         b->objects[0].leaf = 7;
         break;
     case 5:
-        b->objects[0].proxy_z0 = 3;
+        b->objects[0].proxy = &UPSIDE_DOWN;
         break;
     case 6:
         b->inlays[0].point_count = 2;
@@ -144,7 +146,7 @@ Test(building, check_names_faults_of_details) {
         "material 0 (m): index of refraction 9 (0, or 1 to 4)",
         "polygon 0 at (0.000, 0.000, 1.000): no area",
         "object 0 (thing): leaf 7 (allowed 0 to 0)",
-        "object 0 (thing): its proxy is not finite or reaches from 3 up to 0",
+        "object 0 (thing): its proxy is not finite or reaches from 3 up to 2",
         "inlay 0: points 12 to 13 of 15 (at least 3, all there)",
         "inlay 0: material 0 of 1, height nan m",
         "inlay 0 at (1.000, 4.000): not convex or not counter-clockwise",

@@ -173,8 +173,8 @@ Test(limits, of_stairs) {
         slopes += slope;
         cr_expect_float_eq(volume, slope ? 3 : 3.0 * (STEPS + 1) / STEPS, 1e-8, "flight %d holds %.10g m^3",
                            i, volume);
-        cr_expect(o->proxy_z0 == 0 && o->proxy_z1 == 2, "flight %d reaches from %g to %g", i, o->proxy_z0,
-                  o->proxy_z1);
+        cr_expect(o->proxy->z0 == 0 && o->proxy->z1 == 2, "flight %d reaches from %g to %g", i, o->proxy->z0,
+                  o->proxy->z1);
     }
     cr_expect_eq(slopes, 312);
     unlink(path);

@@ -40,7 +40,7 @@ Test(plan, statements) {
         stair++;
         // Riser, tread and two sides a step, and the last step's back.
         cr_expect_eq(o->polygon_count, 41);
-        cr_expect_float_eq(o->proxy_z1, 3, 1e-9);
+        cr_expect_float_eq(o->proxy->z1, 3, 1e-9);
     }
     cr_expect_eq(stair, 1);
     cr_expect(b.light_count == 1 && b.lights[0].position.z == 3 && b.lights[0].flux.g == 2);

@@ -414,11 +414,25 @@ static int by_xyz(const void *p, const void *q) {
 
 typedef int Compare(const void *, const void *);
 
-static Vec3 *sorted_copy(Arena *scratch, const Vec3 *points, int count, Compare *compare) {
-    Vec3 *copy = ARENA_ARRAY(scratch, Vec3, count);
-    memcpy(copy, points, (size_t)count * sizeof *copy);
-    qsort(copy, (size_t)count, sizeof *copy, compare);
-    return copy;
+// Points in an order of their own: point k of it is points[order[k]].
+typedef struct Sorted {
+    const Vec3 *points;
+    int *order, count;
+    Compare *compare;
+} Sorted;
+
+static Vec3 sorted_at(const Sorted *s, int k) { return s->points[s->order[k]]; }
+
+static int by_order(const void *p, const void *q, void *context) {
+    const Sorted *s = context;
+    return s->compare(&s->points[*(const int *)p], &s->points[*(const int *)q]);
+}
+
+static Sorted sort_points(Arena *scratch, const Vec3 *points, int count, Compare *compare) {
+    Sorted out = {points, ARENA_ARRAY(scratch, int, count), count, compare};
+    for (int i = 0; i < count; i++) out.order[i] = i;
+    qsort_r(out.order, (size_t)count, sizeof *out.order, by_order, &out);
+    return out;
 }
 
 static size_t hash_of_point(Vec3 p) {
@@ -432,8 +446,8 @@ static size_t hash_of_point(Vec3 p) {
     return (size_t)hash;
 }
 
-// Each once, sorted. A corner occurs three times in the mean: sorting all would take more memory than the rest of the stage.
-static Vec3 *distinct_points(Arena *scratch, const Vec3 *points, int *count, Compare *compare) {
+// Each once. A corner occurs three times in the mean: sorting all would take more memory than the rest of the stage.
+static Vec3 *distinct_points(Arena *scratch, const Vec3 *points, int *count) {
     Arena own = {0};
     int kept = 0, capacity = 0, size = 1024, *slot = ARENA_ARRAY(&own, int, size);  // index + 1; 0: empty
     Vec3 *out = NULL;
@@ -453,17 +467,16 @@ static Vec3 *distinct_points(Arena *scratch, const Vec3 *points, int *count, Com
         slot[at] = kept;
     }
     arena_free(&own);
-    qsort(out, (size_t)kept, sizeof *out, compare);
     *count = kept;
     return out;
 }
 
 // The first point not below `key`.
-static int lower_bound(const Vec3 *points, int count, Vec3 key, Compare *compare) {
-    int low = 0, high = count;
+static int lower_bound(const Sorted *s, Vec3 key) {
+    int low = 0, high = s->count;
     while (low < high) {
         int middle = (low + high) / 2;
-        if (compare(&points[middle], &key) < 0) {
+        if (s->compare(&s->points[s->order[middle]], &key) < 0) {
             low = middle + 1;
         } else {
             high = middle;
@@ -483,27 +496,31 @@ static int by_parameter(const void *p, const void *q) {
 }
 
 // Appends the corners in run [from, to) that lie inside the edge a -> b.
-static void collect_hits(Arena *scratch, const Vec3 *run, int from, int to, Vec3 a, Vec3 b, Hit **hits,
+static void collect_hits(Arena *scratch, const Sorted *run, int from, int to, Vec3 a, Vec3 b, Hit **hits,
                          int *count, int *capacity) {
     Vec3 along = vec3_sub(b, a);
     double length2 = vec3_dot(along, along);
     for (int i = from; i < to; i++) {
-        Vec3 offset = vec3_sub(run[i], a);
+        Vec3 corner = sorted_at(run, i), offset = vec3_sub(corner, a);
         double t = vec3_dot(offset, along) / length2;
         if (t <= 0 || t >= 1) continue;
         Vec3 off = vec3_sub(offset, vec3_scale(along, t));
         if (vec3_dot(off, off) > T_VERTEX * T_VERTEX) continue;
-        if (vec3_equal(run[i], a) || vec3_equal(run[i], b)) continue;
-        *ARENA_PUSH(scratch, *hits, *count, *capacity) = (Hit){t, run[i]};
+        if (vec3_equal(corner, a) || vec3_equal(corner, b)) continue;
+        *ARENA_PUSH(scratch, *hits, *count, *capacity) = (Hit){t, corner};
     }
 }
+
+// So many corners of a line along y at most have a box together.
+enum { RUN = 16 };
 
 // All corners of surfaces, each once, in three orders.
 typedef struct TVertices {
     Arena *scratch;
-    Vec3 *upright, *along_y, *along_x;
-    int point_count;
-    BoxTree tree;  // of along_y, once an edge is neither upright nor along x or y
+    Sorted upright, along_y, along_x;
+    // Once an edge is neither upright nor along x or y: boxes about corners run[i] .. run[i + 1] - 1 of along_y
+    BoxTree tree;
+    int *run;
     BoxHits near;
     Hit *hits;
     int hit_capacity;
@@ -514,41 +531,61 @@ typedef struct TVertices {
 // the edges stay as they are.
 static const double MOST_LOOKS = 5e8;
 
+static void plant_tree(TVertices *t) {
+    const Sorted *s = &t->along_y;
+    int count = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        Box *boxes = pass ? ARENA_ARRAY(t->scratch, Box, count) : NULL;
+        if (pass) t->run = ARENA_ARRAY(t->scratch, int, count + 1);
+        count = 0;
+        for (int first = 0, i = 0; i < s->count; first = i, count++) {
+            Vec3 from = sorted_at(s, first), to = from;
+            for (; i < s->count && i < first + RUN; i++) {
+                Vec3 next = sorted_at(s, i);
+                if (next.z != from.z || next.x != from.x) break;
+                to = next;
+            }
+            if (!pass) continue;
+            boxes[count] = (Box){from, to};
+            t->run[count] = first;
+        }
+        if (!pass) continue;
+        t->run[count] = s->count;
+        t->tree = box_tree_build(boxes, count, t->scratch);
+    }
+}
+
 // Level corners in a rectangle around a slanted edge.
 static void collect_slanted(TVertices *t, Vec3 a, Vec3 b, int *count) {
-    if (!t->tree.nodes) {
-        Box *boxes = ARENA_ARRAY(t->scratch, Box, t->point_count);
-        for (int i = 0; i < t->point_count; i++) boxes[i] = (Box){t->along_y[i], t->along_y[i]};
-        t->tree = box_tree_build(boxes, t->point_count, t->scratch);
-    }
+    if (!t->tree.nodes) plant_tree(t);
     Box box = {vec3(fmin(a.x, b.x) - T_VERTEX, fmin(a.y, b.y) - T_VERTEX, a.z),
                vec3(fmax(a.x, b.x) + T_VERTEX, fmax(a.y, b.y) + T_VERTEX, a.z)};
     box_tree_find(&t->tree, box, t->scratch, &t->near);
-    t->left -= t->near.count;
-    for (int i = 0; i < t->near.count; i++)
-        collect_hits(t->scratch, t->along_y, t->near.items[i], t->near.items[i] + 1, a, b, &t->hits, count,
-                     &t->hit_capacity);
+    for (int i = 0; i < t->near.count; i++) {
+        int first = t->run[t->near.items[i]], end = t->run[t->near.items[i] + 1];
+        t->left -= end - first;
+        collect_hits(t->scratch, &t->along_y, first, end, a, b, &t->hits, count, &t->hit_capacity);
+    }
 }
 
 // Level corners on lines along x, or along y, that lie as near as a corner of the edge may.
 static void collect_along(TVertices *t, Vec3 a, Vec3 b, bool x, int *count) {
-    Compare *compare = x ? by_zyx : by_zxy;
-    const Vec3 *points = x ? t->along_x : t->along_y;
+    const Sorted *points = x ? &t->along_x : &t->along_y;
     double low = x ? fmin(a.x, b.x) : fmin(a.y, b.y), high = x ? fmax(a.x, b.x) : fmax(a.y, b.y),
            end = (x ? a.y : a.x) + T_VERTEX;
     Vec3 key = x ? vec3(low - T_VERTEX, a.y - T_VERTEX, a.z) : vec3(a.x - T_VERTEX, low - T_VERTEX, a.z);
-    for (int at = lower_bound(points, t->point_count, key, compare); at < t->point_count;) {
-        double line = x ? points[at].y : points[at].x;
-        if (points[at].z != a.z || line > end) return;
+    for (int at = lower_bound(points, key); at < points->count;) {
+        Vec3 corner = sorted_at(points, at);
+        double line = x ? corner.y : corner.x;
+        if (corner.z != a.z || line > end) return;
         // On this line from `low` to `high`.
         Vec3 from = x ? vec3(low - T_VERTEX, line, a.z) : vec3(line, low - T_VERTEX, a.z),
              to = x ? vec3(high + T_VERTEX, line, a.z) : vec3(line, high + T_VERTEX, a.z),
              next = x ? vec3(INFINITY, line, a.z) : vec3(line, INFINITY, a.z);
-        int first = lower_bound(points, t->point_count, from, compare),
-            last = lower_bound(points, t->point_count, to, compare);
+        int first = lower_bound(points, from), last = lower_bound(points, to);
         t->left -= last - first;
         collect_hits(t->scratch, points, first, last, a, b, &t->hits, count, &t->hit_capacity);
-        at = lower_bound(points, t->point_count, next, compare);
+        at = lower_bound(points, next);
     }
 }
 
@@ -558,10 +595,9 @@ static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
     if (t->left <= 0) return 0;
     if (a.x == b.x && a.y == b.y) {
         Vec3 low = a.z < b.z ? a : b, high = a.z < b.z ? b : a;
-        int from = lower_bound(t->upright, t->point_count, low, by_xyz);
-        int to = lower_bound(t->upright, t->point_count, high, by_xyz);
+        int from = lower_bound(&t->upright, low), to = lower_bound(&t->upright, high);
         t->left -= to - from;
-        collect_hits(t->scratch, t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
+        collect_hits(t->scratch, &t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
     } else if (a.x == b.x || a.y == b.y) {
         collect_along(t, a, b, a.y == b.y, &count);
     } else {
@@ -579,10 +615,13 @@ static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
     Arena scratch = {0};
     Vec3 *old = ARENA_ARRAY(&scratch, Vec3, count);
     memcpy(old, graph->vertices + first, (size_t)count * sizeof *old);
-    TVertices t = {.scratch = &scratch, .left = MOST_LOOKS, .point_count = count};
-    t.upright = distinct_points(&scratch, old, &t.point_count, by_xyz);
-    t.along_y = sorted_copy(&scratch, t.upright, t.point_count, by_zxy);
-    t.along_x = sorted_copy(&scratch, t.upright, t.point_count, by_zyx);
+    int distinct = count;
+    const Vec3 *points = distinct_points(&scratch, old, &distinct);
+    TVertices t = {.scratch = &scratch,
+                   .upright = sort_points(&scratch, points, distinct, by_xyz),
+                   .along_y = sort_points(&scratch, points, distinct, by_zxy),
+                   .along_x = sort_points(&scratch, points, distinct, by_zyx),
+                   .left = MOST_LOOKS};
     graph->vertex_count = first;
     for (int p = first_polygon; p < graph->polygon_count; p++) {
         Polygon *polygon = &graph->polygons[p];
@@ -619,4 +658,11 @@ void build_surfaces(CellBuilder *builder) {
     graph->surface_first[graph->cell_count] = graph->object_count;
     add_plugs(builder);
     resolve_t_vertices(builder, first_polygon);
+    Arena *arena = builder->arena;
+    graph->polygons = arena_fit(arena, graph->polygons, sizeof *graph->polygons, graph->polygon_count,
+                                builder->polygon_capacity);
+    graph->vertices = arena_fit(arena, graph->vertices, sizeof *graph->vertices, graph->vertex_count,
+                                builder->vertex_capacity);
+    graph->objects = arena_fit(arena, graph->objects, sizeof *graph->objects, graph->object_count,
+                               builder->object_capacity);
 }

@@ -520,16 +520,15 @@ static void link_siblings(StabForest *forest, int root, int *last) {
 
 static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scratch) {
     enum { RETURN_CELLS = 32768 };
-    int total = 0, largest = 1;
-    for (int c = 0; c < forest->cell_count; c++) {
-        total += trees[c].count;
+    int largest = 1, capacity = 0;
+    for (int c = 0; c < forest->cell_count; c++)
         if (trees[c].count > largest) largest = trees[c].count;
-    }
     settle_sets(forest, trees, largest, scratch);
-    forest->nodes = ARENA_ARRAY(arena, StabNode, total);
     int *scrap = ARENA_ARRAY(scratch, int, largest);
     for (int c = 0; c < forest->cell_count; c++) {
         forest->bounded[c] = trees[c].bounded;
+        forest->nodes = arena_regrow(arena, forest->nodes, sizeof *forest->nodes, forest->root[c],
+                                     forest->root[c] + trees[c].count, &capacity);
         append_tree(forest, &trees[c], c, scrap);
         memory_free(trees[c].nodes);
         trees[c].nodes = NULL;
@@ -538,6 +537,7 @@ static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scrat
         link_siblings(forest, c, scrap);
     }
     forest->node_count = forest->root[forest->cell_count];
+    forest->nodes = arena_fit(arena, forest->nodes, sizeof *forest->nodes, forest->node_count, capacity);
 }
 
 bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const Progress *progress,

@@ -62,7 +62,7 @@ Test(enclose, low_walls_that_close_nothing_are_objects) {
         draft_room(&d, 0, 4, 0, 8, 4);
         draft_enclose(&d);
         cr_assert_eq(low_walls(&d), 1);
-        cr_expect_float_eq(d.b.objects[0].proxy_z1, INNER, 1e-12);
+        cr_expect_float_eq(d.b.objects[0].proxy->z1, INNER, 1e-12);
         cr_expect_eq(draft_kind_at(&d, 4.05, 2, 3), REGION_ROOM, "one sees over it");
         draft_free(&d);
     }

@@ -76,7 +76,7 @@ Test(enclose, low_walls) {
     cr_assert_eq(d.b.object_count, 1);
     cr_expect_eq(d.b.objects[0].kind, OBJECT_LOW_WALL);
     cr_expect_eq(d.b.objects[0].polygon_count, 5);
-    cr_expect_float_eq(d.b.objects[0].proxy_z1, 1.0, 1e-12);
+    cr_expect_float_eq(d.b.objects[0].proxy->z1, 1.0, 1e-12);
     draft_free(&d);
 }
 

@@ -300,15 +300,15 @@ Test(sh3d, missing_models_and_stairs) {
     cr_assert(h.good, "%s", h.error.text);
     cr_assert_eq(h.b.object_count, 3);
     cr_assert_eq(h.b.objects[0].polygon_count, 6);
-    cr_assert_float_eq(h.b.objects[0].proxy_z0, 2.72, CLOSE);
+    cr_assert_float_eq(h.b.objects[0].proxy->z0, 2.72, CLOSE);
     // Tolerance of the box: sines and cosines of an angle.
-    Vec2 side = vec2_sub(h.b.objects[0].proxy[1], h.b.objects[0].proxy[0]);
+    Vec2 side = vec2_sub(h.b.objects[0].proxy->corner[1], h.b.objects[0].proxy->corner[0]);
     cr_assert_float_eq(vec2_length(side), 0.5, 1e-9);
     cr_assert_float_eq(atan2(side.y, side.x), -0.5, 1e-9);
-    cr_assert_float_eq(h.b.objects[1].proxy_z0, 2.62 + 0.7, CLOSE, "members of groups count from the level");
+    cr_assert_float_eq(h.b.objects[1].proxy->z0, 2.62 + 0.7, CLOSE, "members of groups count from the level");
     const Object *stair = &h.b.objects[2];
     cr_assert_eq(stair->kind, OBJECT_STAIR);
-    cr_assert_float_eq(stair->proxy_z1, 2.62, CLOSE, "what rises above the floor is railing");
+    cr_assert_float_eq(stair->proxy->z1, 2.62, CLOSE, "what rises above the floor is railing");
     cr_assert_eq(stair->polygon_count, 4 * 14 + 1, "14 steps of 0.187 m");
     double lowest_back = 9;
     for (int i = 0; i < h.b.vertex_count; i++)

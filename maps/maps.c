@@ -85,6 +85,7 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
         if (memory_within(error)) soup_split(arena, out);
         if (!memory_within(error)) return false;
     }
+    building_fit(arena, out);
     const char *fault;
     int faults = building_check(out, arena, &fault, 1);
     if (faults > 0)

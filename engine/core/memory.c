@@ -270,7 +270,9 @@ void *memory_grow(void *old, size_t bytes) {
 }
 
 void *memory_try(size_t bytes) {
-    void *memory = affordable(bytes) && granted() ? calloc(1, bytes ? bytes : 1) : NULL;
+    // Whoever goes on without it stays within the budget.
+    bool fits = memory_used() + bytes <= atomic_load_explicit(&most, memory_order_relaxed);
+    void *memory = fits && granted() ? calloc(1, bytes ? bytes : 1) : NULL;
     return memory ? count(memory) : NULL;
 }
 

@@ -259,6 +259,15 @@ void building_set_proxy(Arena *arena, Building *b, double angle) {
     o->proxy = proxy;
 }
 
+void building_fit(Arena *arena, Building *b) {
+    b->vertices = arena_fit(arena, b->vertices, sizeof *b->vertices, b->vertex_count, b->vertex_capacity);
+    b->polygons = arena_fit(arena, b->polygons, sizeof *b->polygons, b->polygon_count, b->polygon_capacity);
+    b->objects = arena_fit(arena, b->objects, sizeof *b->objects, b->object_count, b->object_capacity);
+    b->vertex_capacity = b->vertex_count;
+    b->polygon_capacity = b->polygon_count;
+    b->object_capacity = b->object_count;
+}
+
 void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...) {
     va_list args;
     va_start(args, format);

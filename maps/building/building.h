@@ -403,6 +403,8 @@ enum { BUILDING_MOST_POLYGONS = 4000000 };
 int building_polygons_allowed(double file_size);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z. A level object has none.
 void building_set_proxy(Arena *arena, Building *b, double angle);
+// Gives back the room for more polygons and objects, where there are many.
+void building_fit(Arena *arena, Building *b);
 // Adds a note; the sentence is formatted as by printf.
 void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...)
     __attribute__((format(printf, 5, 6)));

@@ -209,7 +209,7 @@ Test(memory, fences_libraries_in) {
 }
 
 // More bytes read allow more, up to the most there may be; a gentle budget that was exceeded, if only for a moment, says so when
-// asked, and a new one begins anew.
+// asked, but for what was tried in vain, and a new one begins anew.
 Test(memory, allows_more_for_larger_files) {
     Error error = {""};
     MemoryBudget budget = SMALL;
@@ -226,6 +226,9 @@ Test(memory, allows_more_for_larger_files) {
     memory_note_read(1 << 30);
     cr_expect(memory_fits(11 << 20) && !memory_fits((12 << 20) + 1), "more than the most");
     memory_set_budget(&budget);
+    cr_expect(memory_within(&error));
+    // Memory that was only tried for exceeds nothing.
+    cr_expect_null(memory_try((size_t)1 << 40));
     cr_expect(memory_within(&error));
     memory_free(memory_new(11 << 20));
     cr_expect_not(memory_within(&error));

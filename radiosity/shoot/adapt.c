@@ -537,7 +537,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     options.borders = a->borders;
     options.looks = (lamps_only ? LAMP_LOOKS : FIRST_LOOKS) * size * size;
     options.lamps_only = lamps_only;
-    options.gather = false;
+    options.gather = options.each_room = false;
     if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     double first = daylight_shines(&a->options->day) ? FIRST_RESIDUAL_BY_DAY : FIRST_RESIDUAL;

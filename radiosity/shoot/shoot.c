@@ -15,9 +15,10 @@
 #include <unistd.h>
 
 #include "engine/core/parallel.h"
+#include "radiosity/shoot/gather_rows.h"
+#include "radiosity/shoot/room_shares.h"
 #include "radiosity/shoot/shoot_elements.h"
 #include "radiosity/shoot/shoot_queue.h"
-#include "radiosity/shoot/sunlight.h"
 
 // Shots between two reports of progress.
 enum { SHOTS_A_LOOK = 64 };
@@ -41,6 +42,7 @@ RadOptions rad_default_options(void) {
                         .lamp_detail = 4,
                         .reach = 2,
                         .residual = 0.001,
+                        .each_room = true,
                         .row_bytes = ROWS};
 }
 
@@ -191,6 +193,7 @@ typedef struct Shooter {
     bool repeats;       // what was taken back is shot again
     // Or of a part of a building: then `left` is of this part, and `residual` of all of them, as they knew it last.
     double left, residual;
+    RoomShares *rooms;  // once all but the rooms by themselves have their light, else NULL
 } Shooter;
 
 // Computed from the solution alone, however it came about: a run that is resumed goes on just so.
@@ -292,6 +295,14 @@ static bool is_taken(const Shooter *s, int patch) {
     return taken[0] != 0 || taken[1] != 0 || taken[2] != 0;
 }
 
+// Light went to a patch of a room, or was shot from it; `reflected`: of what arrived, W.
+static void add_to_room(Shooter *s, int patch, double left, double reflected) {
+    int room = s->rooms->of[patch];
+    if (room < 0) return;
+    s->rooms->left[room] += left;
+    s->rooms->light[room] += reflected;
+}
+
 static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) {
     Receiver *from = &s->receivers[patch];
     const bool direct = s->lamps_left > 0;
@@ -306,6 +317,7 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
         memset(s->follow->taken[patch], 0, sizeof *s->follow->taken);
     } else {
         if (!direct) s->left -= unshot_power(from);
+        if (s->rooms) add_to_room(s, patch, -unshot_power(from), 0);
         from->unshot -= shot;
         shoot_queue_clear(&s->queue, patch);
     }
@@ -321,12 +333,14 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
         if (mesh->reflectance) at += row->count[r] + 1;
         double share = (double)run->share;
         const bool counts = (s->again || s->options->borders) && !to->foreign;
-        if (counts) s->left -= unshot_power(to);
+        double before = unshot_power(to);
+        if (counts) s->left -= before;
         to->unshot += reflected * four_of(share * to->per_area);
         absorbed += (power - reflected) * four_of(share);
         if (direct || to->foreign || s->repeats) continue;
         double now = unshot_power(to);
         if (counts) s->left += now;
+        if (s->rooms) add_to_room(s, run->patch, now - before, now - before);
         if (!s->again || now > s->queue.power[run->patch]) shoot_queue_raise(&s->queue, run->patch, now);
     }
     s->absorbed += absorbed;
@@ -370,13 +384,30 @@ static double worth_making(const Shooter *s) {
     return fmin(fmax(in_the_end, WORTH_MAKING), WORTH_MAKING_LAST);
 }
 
+// The strongest patches without rows in the room of a patch, this one among them.
+static int next_in_room(Shooter *s, int patch, double least, int wanted) {
+    const RoomShares *rooms = s->rooms;
+    int room = rooms->of[patch], count = 0;
+    s->next[count++] = patch;
+    for (int i = rooms->first[room]; i < rooms->first[room + 1] && count < wanted; i++) {
+        int p = rooms->patches[i];
+        if (p != patch && !shoot_rows_of(s->rows, p) && !s->receivers[p].foreign &&
+            unshot_power(&s->receivers[p]) >= least)
+            s->next[count++] = p;
+    }
+    return count;
+}
+
 static const ShootRow *row_of(Shooter *s, int patch) {
     const ShootRow *row = shoot_rows_of(s->rows, patch);
     if (row) return row;
-    double least = s->queue.power[patch] * worth_making(s);
+    double least = s->rooms ? unshot_power(&s->receivers[patch]) * WORTH_MAKING_LAST
+                            : s->queue.power[patch] * worth_making(s);
     long long wanted = shoot_rows_wanted(s->rows), left = s->options->shots - s->solution->shots;
     if (s->options->shots > 0 && left < wanted) wanted = left;
-    int count = shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
+    int count = s->rooms
+                    ? next_in_room(s, patch, least, (int)wanted)
+                    : shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
     shoot_elements_finish(s->elements);  // rows that were shot may go
     shoot_rows_make(s->rows, s->next, count);
     return shoot_rows_of(s->rows, patch);
@@ -398,261 +429,6 @@ static void show_solution(Shooter *s) {
     if (!o->show || !o->show_due(o->show_context)) return;
     finish(s);
     o->show(o->show_context, s->solution);
-}
-
-// ---- reflected light along rows: what a patch shoots to others along its row, these send to it along the same row (reciprocity)
-
-typedef struct Gathering {
-    const Mesh *mesh;
-    const ShootRows *rows;
-    const Four *reflected;       // [element_count] radiosity times area, W, without what is emitted
-    Vec3 *middle;                // [element_count] NULL: what is close is not asked
-    double (*sent)[3];           // [patch_count]
-    double (*out)[3];            // [patch_count]
-    double zenith[3], below[3];  // irradiance by a whole view of the sky overhead, and of the ground
-    double samples;              // of a row
-    float *noise;                // [patch_count]
-    float *close;                // [patch_count]
-    int *patches;                // of this round
-} Gathering;
-
-static void gather_patch(void *context, int index, int thread) {
-    (void)thread;
-    const Gathering *g = context;
-    int patch = g->patches[index];
-    const Mesh *mesh = g->mesh;
-    const ShootRow *row = shoot_rows_of(g->rows, patch);
-    const float *density = row->density;
-    const uint8_t *offset = row->offset;
-    Vec3 eye = mesh->patches[patch].centre;
-    Four sum = {0};
-    double squares = 0, close = 0, width2 = mesh->patches[patch].area;
-    for (int r = 0; r < row->run_count; r++) {
-        int first = mesh->patches[row->runs[r].patch].first_element;
-        if (g->middle) {
-            Vec3 to = vec3_sub(g->middle[first], eye);
-            close += vec3_dot(to, to) < width2 ? (double)row->runs[r].share : 0;
-        }
-        for (int i = 0; i <= row->count[r]; i++) {
-            const Four power = g->reflected[first + *offset];
-            double area = mesh->elements[first + *offset++].area, all = power[0] + power[1] + power[2];
-            squares += all * all * (double)*density / area;
-            sum += power * four_of((double)*density++);
-        }
-    }
-    double sky[3];
-    for (int c = 0; c < 3; c++) sky[c] = row->sky_light * g->zenith[c] + row->ground_light * g->below[c];
-    squares += row->escaped > 0 ? rgb_sum(sky) * rgb_sum(sky) / row->escaped : 0;
-    sum = (sum + channels_of(sky)) * four_of(row->scale);
-    channels_store(sum, g->out[patch]);
-    double light = sum[0] + sum[1] + sum[2] + rgb_sum(g->sent[patch]);
-    g->noise[patch] = light > 0 ? (float)(sqrt(squares * row->scale / g->samples) / light) : 0;
-    for (int c = 0; c < 3; c++) g->out[patch][c] += g->sent[patch][c];
-    g->close[patch] = (float)close;
-}
-
-// Strong patches have none: they send it themselves.
-static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
-    Four *out = ARENA_ARRAY(arena, Four, mesh->element_count + 1);
-    for (int e = 0; e < mesh->element_count; e++) {
-        double emitted[3], area = mesh->elements[e].area;
-        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
-        bool strong = solution->strong[mesh->elements[e].patch];
-        for (int c = 0; c < 3 && !strong; c++)
-            out[e][c] = area * fmax(solution->radiosity[e][c] - emitted[c], 0);
-    }
-    return out;
-}
-
-// Adds what a strong patch sends to others.
-static void send(const Mesh *mesh, RadSolution *s, int patch, const ShootRow *row) {
-    const Patch *p = &mesh->patches[patch];
-    double power[3] = {0, 0, 0}, emitted[3];
-    rgb_doubles(mesh_material(mesh, p->face)->emission, emitted);
-    for (int e = p->first_element; e < p->first_element + p->element_count; e++)
-        for (int c = 0; c < 3; c++)
-            power[c] += mesh->elements[e].area * fmax(s->radiosity[e][c] - emitted[c], 0) * row->scale;
-    for (int r = 0; r < row->run_count; r++) {
-        int to = row->runs[r].patch;
-        for (int c = 0; c < 3; c++)
-            s->sent[to][c] += power[c] * (double)row->runs[r].share / mesh->patches[to].area;
-    }
-}
-
-// In the order of patches, so that sums are the same however rows are kept.
-static void send_strong(Shooter *s, const Mesh *mesh) {
-    RadSolution *out = s->solution;
-    memcpy(out->strong, shoot_rows_strong(s->rows), (size_t)mesh->patch_count * sizeof *out->strong);
-    memset(out->sent, 0, (size_t)mesh->patch_count * sizeof *out->sent);
-    if (s->options->borders)
-        borders_fetch(s->options->borders, BORDER_PATCH, out->strong, sizeof *out->strong);
-    for (int p = 0; p < mesh->patch_count; p++) {
-        if (!out->strong[p] || s->receivers[p].foreign) continue;
-        if (!shoot_rows_of(s->rows, p)) {
-            // Its neighbours' rows are made with it.
-            int count = 0, most = (int)shoot_rows_wanted(s->rows);
-            for (int q = p; q < mesh->patch_count && count < most; q++)
-                if (out->strong[q] && !s->receivers[q].foreign && !shoot_rows_of(s->rows, q))
-                    s->next[count++] = q;
-            shoot_rows_make(s->rows, s->next, count);
-        }
-        send(mesh, out, p, shoot_rows_of(s->rows, p));
-        shoot_rows_shot(s->rows, p);
-    }
-    if (s->options->borders) borders_bring(s->options->borders, BORDER_PATCH, out->sent);
-}
-
-static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
-    const Patch *p = &mesh->patches[patch];
-    double rho[3], emitted[3], power[3] = {0, 0, 0};
-    rgb_doubles(mesh_material(mesh, p->face)->reflectance, rho);
-    rgb_doubles(mesh_material(mesh, p->face)->emission, emitted);
-    for (int e = p->first_element; e < p->first_element + p->element_count; e++) {
-        double even[3];
-        mesh_even(mesh, e, even);
-        for (int c = 0; c < 3; c++)
-            power[c] += even[c] * mesh->elements[e].area *
-                        (s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c]);
-    }
-    for (int c = 0; c < 3; c++) out[c] = rho[c] > 0 ? fmax(power[c], 0) / (rho[c] * p->area) : 0;
-}
-
-// Gathers at `count` patches of g->patches, in rounds, whose rows are made where they are not there. False where progress asked to stop.
-static bool gather_patches(Shooter *s, Gathering *g, const int *patch, int count, const Progress *progress) {
-    int threads = parallel_threads(s->options->threads), done = 0, in_round = 0;
-    bool go_on = true;
-    for (int there = 1; there >= 0; there--) {
-        for (int i = 0; i < count && go_on; i++) {
-            bool last = i + 1 == count;
-            if ((shoot_rows_of(s->rows, patch[i]) != NULL) == there) g->patches[in_round++] = patch[i];
-            if (in_round == 0 || (!last && (there || in_round < shoot_rows_wanted(s->rows)))) continue;
-            if (!there) shoot_rows_make(s->rows, g->patches, in_round);
-            parallel_for(threads, in_round, gather_patch, g);
-            for (int k = 0; k < in_round && !there; k++) shoot_rows_shot(s->rows, g->patches[k]);
-            done += in_round;
-            in_round = 0;
-            go_on = progress_report(progress, "reflected light", (double)done / count);
-        }
-    }
-    return go_on;
-}
-
-// Patches whose samples may miscount their light by more than this share look again in more directions: the light comes from few of them,
-// as through a window. So many at most, as a share of all.
-static const double MOST_NOISE = 0.04, MOST_NOISY = 0.25;
-
-static int noisiest_first(const void *a, const void *b, void *context) {
-    const int *p = a, *q = b;
-    const float *noise = context;
-    return noise[*p] != noise[*q] ? (noise[*p] > noise[*q] ? -1 : 1) : *p - *q;
-}
-
-static int by_index(const void *a, const void *b) {
-    const int *p = a, *q = b;
-    return *p - *q;
-}
-
-// Where light was taken back that shone on a patch, a rounding of it is left: less than this share of all power.
-static const double ROUNDING = 1e-12;
-
-static bool is_rounding(const RadSolution *s, double area, const double irradiance[3]) {
-    return rgb_sum(irradiance) * area < ROUNDING * rgb_sum(s->emitted);
-}
-
-static void fetch_gathered(const Borders *borders, RadSolution *s) {
-    borders_fetch(borders, BORDER_PATCH, s->reflected, sizeof *s->reflected);
-    borders_fetch(borders, BORDER_PATCH, s->sent, sizeof *s->sent);
-    borders_fetch(borders, BORDER_PATCH, s->close, sizeof *s->close);
-    borders_fetch(borders, BORDER_PATCH, s->noise, sizeof *s->noise);
-}
-
-// Light that goes on is gathered again where it has changed by more than this share, or by this share of the mean light.
-static const double CHANGED = 5e-4, CHANGED_IN_THE_DARK = 1e-7;
-
-// The patches that gather now.
-static void find_changed(const Shooter *s, const Mesh *mesh, RadFollow *f) {
-    const RadSolution *now = s->solution;
-    double light = 0, area = 0;
-    for (int e = 0; e < mesh->element_count; e++) {
-        light += mesh->elements[e].area * rgb_sum(now->radiosity[e]);
-        area += mesh->elements[e].area;
-    }
-    const double floor = CHANGED_IN_THE_DARK * light / area;
-    marks_clear(&f->found);
-    for (int p = 0; p < mesh->patch_count; p++) {
-        const Patch *patch = &mesh->patches[p];
-        double had = 0, change = 0;
-        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-            const double *a = now->radiosity[e], *b = f->gathered[e];
-            had += mesh->elements[e].area * rgb_sum(b);
-            change += mesh->elements[e].area * (fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]));
-        }
-        if (!f->dropped[p] && change <= CHANGED * had + floor * patch->area) continue;
-        marks_add(&f->found, p);
-        f->dropped[p] = false;
-        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-            memcpy(f->gathered[e], now->radiosity[e], sizeof *f->gathered);
-    }
-}
-
-static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
-    Arena arena = {0};
-    int resolution = s->options->form_factor.resolution, count = 0, noisy = 0;
-    int *patch = ARENA_ARRAY(&arena, int, mesh->patch_count + 1);
-    send_strong(s, mesh);
-    Gathering g = {.mesh = mesh,
-                   .rows = s->rows,
-                   .reflected = reflected_power(mesh, s->solution, &arena),
-                   .middle = s->follow ? NULL : ARENA_ARRAY(&arena, Vec3, mesh->element_count + 1),
-                   .sent = s->solution->sent,
-                   .out = s->solution->reflected,
-                   .samples = M_PI / 4 * resolution * resolution,
-                   .noise = s->solution->noise,
-                   .close = s->solution->close,
-                   .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
-    for (int e = 0; e < mesh->element_count && g.middle; e++) g.middle[e] = element_centroid(mesh, e);
-    const Daylight *day = &s->solution->day;
-    daylight_below(day, g.below);
-    for (int c = 0; c < 3; c++) {
-        g.zenith[c] = M_PI * day->zenith[c];
-        g.below[c] *= M_PI;
-    }
-    if (rgb_sum(day->beam) > 0)
-        sunlight_elements(mesh, day, parallel_threads(s->options->threads), s->solution->sun);
-    if (s->options->borders)
-        borders_fetch(s->options->borders, BORDER_ELEMENT, s->solution->sun, sizeof *s->solution->sun);
-    if (s->follow) find_changed(s, mesh, s->follow);
-    for (int p = 0; p < mesh->patch_count; p++) {
-        if (s->receivers[p].foreign || (s->follow && !s->follow->found.has[p])) continue;
-        // Those to which no light was shot are covered, or in rooms without light.
-        take_shot(mesh, s->solution, p, s->solution->reflected[p]);
-        if (s->again && is_rounding(s->solution, mesh->patches[p].area, s->solution->reflected[p]))
-            memset(s->solution->reflected[p], 0, sizeof *s->solution->reflected);
-        if (!shoot_rows_small(mesh, p, RAD_SMALL) && rgb_sum(s->solution->reflected[p]) > 0)
-            patch[count++] = p;
-    }
-    bool go_on = gather_patches(s, &g, patch, count, progress);
-    if (shoot_rows_settled(s->rows)) {
-        arena_free(&arena);
-        return go_on;
-    }
-    qsort_r(patch, (size_t)count, sizeof *patch, noisiest_first, g.noise);
-    while (noisy < MOST_NOISY * count && (double)g.noise[patch[noisy]] > MOST_NOISE) noisy++;
-    qsort(patch, (size_t)noisy, sizeof *patch, by_index);
-    // Rows of strong patches are as fine already.
-    int left = 0;
-    for (int i = 0; i < noisy; i++)
-        if (!s->solution->strong[patch[i]]) patch[left++] = patch[i];
-    noisy = left;
-    for (int i = 0; i < noisy; i++) shoot_rows_refine(s->rows, patch[i]);
-    go_on = go_on && gather_patches(s, &g, patch, noisy, progress);
-    if (s->options->borders) {
-        go_on = !team_any(borders_member(s->options->borders), !go_on);
-        fetch_gathered(s->options->borders, s->solution);
-    }
-    if (go_on) shoot_rows_settle(s->rows);
-    arena_free(&arena);
-    return go_on;
 }
 
 // The strongest patch; -1: there is none. Where light goes on powers in the queue may be too great.
@@ -724,6 +500,81 @@ static void show_parts(const Shooter *s, TeamMember *member, bool stopped) {
         o->show(o->show_context, s->solution);
 }
 
+static bool each_room(const Shooter *s) {
+    return s->options->each_room && !s->options->lamps_only && !s->again;
+}
+
+// The patch of a room with most unshot power that is not another part's; -1: all powers are 0.
+static int strongest_in_room(const Shooter *s, int room) {
+    const RoomShares *rooms = s->rooms;
+    int strongest = -1;
+    double most = 0;
+    for (int i = rooms->first[room]; i < rooms->first[room + 1]; i++) {
+        int p = rooms->patches[i];
+        double power = s->receivers[p].foreign ? 0 : unshot_power(&s->receivers[p]);
+        if (power > most) {
+            most = power;
+            strongest = p;
+        }
+    }
+    return strongest;
+}
+
+// Sums are of all parts. `most`: the power of the strongest patch of each room, W.
+static void measure_rooms(Shooter *s, const Mesh *mesh, double emitted, double *most) {
+    TeamMember *member = borders_member(s->options->borders);
+    RoomShares *rooms = s->rooms;
+    room_shares_measure(rooms, mesh, s->solution, emitted);
+    for (int r = 0; r < rooms->room_count; r++) {
+        int patch = strongest_in_room(s, r);
+        most[r] = patch < 0 ? 0 : unshot_power(&s->receivers[patch]);
+    }
+    team_sum(member, rooms->left, rooms->room_count);
+    team_sum(member, rooms->light, rooms->room_count);
+    team_most(member, most, rooms->room_count);
+}
+
+// Shoots patches of at least `share` of `most` of their room, W, in rooms that lack light. A part that is the whole shoots in the first of
+// these at any time, as shoot_rooms does. False: no more may be looked at.
+static bool shoot_rooms_round(Shooter *s, const Mesh *mesh, const double *most, double share) {
+    const RoomShares *rooms = s->rooms;
+    const double residual = s->options->residual;
+    for (int r = 0; r < rooms->room_count;) {
+        int patch = room_shares_lacks(rooms, r, residual) ? strongest_in_room(s, r) : -1;
+        if (patch < 0 || unshot_power(&s->receivers[patch]) < share * most[r]) {
+            r++;
+            continue;
+        }
+        if (!may_look(s, patch)) return false;
+        shoot_next(s, mesh, patch);
+        if (share == 0) r = 0;
+    }
+    return true;
+}
+
+// Goes on in rooms that lack light, in rounds. Returns whether progress asked to stop.
+static bool shoot_rooms_in_parts(Shooter *s, const Mesh *mesh, double emitted, const Progress *progress) {
+    TeamMember *member = borders_member(s->options->borders);
+    const double share = team_count(member) == 1 ? 0 : ROUND;
+    Arena arena = {0};
+    RoomShares rooms = room_shares_new(mesh, &arena);
+    double *most = ARENA_ARRAY(&arena, double, rooms.room_count);
+    bool stopped = false, over = false;
+    s->rooms = &rooms;
+    for (;;) {
+        measure_rooms(s, mesh, emitted, most);
+        if (over || room_shares_first(&rooms, s->options->residual) < 0) break;
+        stopped = team_any(member, !report_residual(s, progress));
+        show_parts(s, member, stopped);
+        if (stopped) break;
+        over = team_any(member, !shoot_rooms_round(s, mesh, most, share));
+        bring(s);
+    }
+    s->rooms = NULL;
+    arena_free(&arena);
+    return stopped;
+}
+
 // Returns whether progress asked to stop.
 static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) {
     TeamMember *member = borders_member(s->options->borders);
@@ -740,7 +591,9 @@ static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) 
         s->residual = share_left(s, sums[0], sums[1], &most);
         bool stopped = team_any(member, !report_residual(s, progress));
         show_parts(s, member, stopped);
-        if (stopped || over || s->residual <= s->options->residual || !(most > 0)) return stopped;
+        if (stopped || over || !(most > 0)) return stopped;
+        if (s->residual <= s->options->residual)
+            return each_room(s) && shoot_rooms_in_parts(s, mesh, sums[0], progress);
         bool on = shoot_round(s, mesh, ROUND * most, s->left * s->options->residual / s->residual);
         over = team_any(member, !on);
         bring(s);
@@ -767,21 +620,48 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     return rad_shoot_on(mesh, forest, door_open, options, NULL, progress, solution);
 }
 
-// Returns whether progress asked to stop.
-static bool shoot_whole(Shooter *s, const Mesh *mesh, long long first, const Progress *progress) {
-    const RadOptions *options = s->options;
-    while (residual_of(s) > options->residual) {
-        if (options->shots > 0 && s->solution->shots >= options->shots) break;
-        if ((s->solution->shots - first) % SHOTS_A_LOOK == 0) {
-            if (!report_residual(s, progress)) return true;
-            show_solution(s);
-        }
-        int patch = strongest(s);
-        if (patch < 0) break;
-        if (!may_look(s, patch)) break;
+// Between two shots. Returns whether progress asked to stop.
+static bool look_up(Shooter *s, long long first, const Progress *progress) {
+    if ((s->solution->shots - first) % SHOTS_A_LOOK != 0) return false;
+    if (!report_residual(s, progress)) return true;
+    show_solution(s);
+    return false;
+}
+
+static bool has_all_shots(const Shooter *s) {
+    return s->options->shots > 0 && s->solution->shots >= s->options->shots;
+}
+
+// Goes on in rooms that lack light, in the first one at any time: so a run that is resumed goes on just so. Returns whether progress asked
+// to stop.
+static bool shoot_rooms(Shooter *s, const Mesh *mesh, long long first, const Progress *progress) {
+    Arena arena = {0};
+    RoomShares rooms = room_shares_new(mesh, &arena);
+    bool stopped = false;
+    finish(s);
+    room_shares_measure(&rooms, mesh, s->solution, rgb_sum(s->solution->emitted));
+    s->rooms = &rooms;
+    for (int room; (room = room_shares_first(&rooms, s->options->residual)) >= 0;) {
+        stopped = look_up(s, first, progress);
+        int patch = strongest_in_room(s, room);
+        if (stopped || has_all_shots(s) || patch < 0 || !may_look(s, patch)) break;
         shoot_next(s, mesh, patch);
     }
-    return false;
+    s->rooms = NULL;
+    arena_free(&arena);
+    return stopped;
+}
+
+// Returns whether progress asked to stop.
+static bool shoot_whole(Shooter *s, const Mesh *mesh, long long first, const Progress *progress) {
+    while (residual_of(s) > s->options->residual) {
+        if (has_all_shots(s)) return false;
+        if (look_up(s, first, progress)) return true;
+        int patch = strongest(s);
+        if (patch < 0 || !may_look(s, patch)) return false;
+        shoot_next(s, mesh, patch);
+    }
+    return each_room(s) && shoot_rooms(s, mesh, first, progress);
 }
 
 RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -798,7 +678,7 @@ RadReport rad_shoot_on(const Mesh *mesh, const StabForest *forest, const float *
     if (options->borders) share_light(options->borders, solution);
     report.residual = fmax(0, residual_of(&s));  // rounding takes it below 0 where all light is absorbed
     if (options->gather && !options->lamps_only && report.residual <= options->residual) {
-        solution->gathered = gather_reflected(&s, mesh, progress);
+        solution->gathered = gather_rows(mesh, s.rows, options, follow, progress, solution);
         report.stopped = !solution->gathered;
     }
     report.shots = solution->shots - first;

@@ -27,6 +27,8 @@ typedef struct RadOptions {
     // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.
     double reach;
     double residual;  // stop when unshot power is this share of the emitted power, 0 .. 1
+    bool
+        each_room;  // and this share of the light of each room (room_shares.h); light that goes on does not ask
     long long shots;  // or when the solution has this many shots, 0: no limit
     // Or when the faces before the patches that shot sum to this number (shoot.c), 0: no limit.
     double looks;

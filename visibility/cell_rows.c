@@ -216,80 +216,49 @@ long long cell_rows_count(const CellRows *rows) {
 
 static const size_t RUN_HEAD = 2 * sizeof(int32_t);
 
-size_t cell_rows_packed_size(const CellRows *rows) {
-    size_t size = (size_t)rows->cell_count * sizeof(int32_t);
-    for (int c = 0; c < rows->cell_count; c++) {
-        for (int r = 0; r < rows->row[c].count; r++) {
-            const CellRun *run = &rows->row[c].runs[r];
-            size += RUN_HEAD + (run->words ? (size_t)run->count * sizeof(uint64_t) : 0);
-        }
-    }
-    return size;
-}
-
-void cell_rows_pack(const CellRows *rows, unsigned char *out) {
+void cell_rows_put(const CellRows *rows, DerivedSink *sink) {
     for (int c = 0; c < rows->cell_count; c++) {
         int32_t count = rows->row[c].count;
-        memcpy(out, &count, sizeof count);
-        out += sizeof count;
+        derived_put(sink, &count, sizeof count);
         for (int r = 0; r < count; r++) {
             const CellRun *run = &rows->row[c].runs[r];
             int32_t head[2] = {run->first, run->words ? run->count : -run->count};
-            memcpy(out, head, RUN_HEAD);
-            out += RUN_HEAD;
-            if (!run->words) continue;
-            memcpy(out, run->words, (size_t)run->count * sizeof *run->words);
-            out += (size_t)run->count * sizeof *run->words;
+            derived_put(sink, head, RUN_HEAD);
+            if (run->words) derived_put(sink, run->words, (size_t)run->count * sizeof *run->words);
         }
     }
 }
 
-size_t cell_rows_measure(const unsigned char *packed, size_t size, int cell_count) {
-    int words = (cell_count + 63) / 64;
-    size_t at = 0;
-    for (int c = 0; c < cell_count; c++) {
-        int32_t count, head[2];
-        if (size - at < sizeof count) return 0;
-        memcpy(&count, packed + at, sizeof count);
-        at += sizeof count;
-        if (count < 0) return 0;
-        for (int32_t r = 0, least = 0; r < count; r++) {
-            if (size - at < RUN_HEAD) return 0;
-            memcpy(head, packed + at, RUN_HEAD);
-            at += RUN_HEAD;
-            int32_t length = head[1] < 0 ? -(head[1] + 1) + 1 : head[1];
-            if (head[0] < least || length < 1 || length > words - head[0]) return 0;
-            least = head[0] + length;
-            if (head[1] < 0) continue;
-            if ((size - at) / sizeof(uint64_t) < (size_t)length) return 0;
-            at += (size_t)length * sizeof(uint64_t);
+// Takes a row into `list` [row_words], without words of no bits. `last`: the bits that the last word of a row may have.
+static bool take_row(DerivedReader *reader, int row_words, uint64_t last, CellWord *list, int *words) {
+    int32_t count, head[2];
+    *words = 0;
+    if (!derived_take(reader, &count, sizeof count) || count < 0) return false;
+    for (int32_t r = 0, least = 0; r < count; r++) {
+        if (!derived_take(reader, head, RUN_HEAD)) return false;
+        int32_t length = head[1] < 0 ? -(head[1] + 1) + 1 : head[1];
+        if (head[0] < least || length < 1 || length > row_words - head[0]) return false;
+        least = head[0] + length;
+        for (int32_t k = head[0]; k < least; k++) {
+            uint64_t bits = ONES;
+            if (head[1] > 0 && !derived_take(reader, &bits, sizeof bits)) return false;
+            if (k == row_words - 1) bits &= last;
+            if (bits) list[(*words)++] = (CellWord){k, bits};
         }
     }
-    return at;
+    return true;
 }
 
-CellRows cell_rows_unpack(const unsigned char *packed, int cell_count, Arena *arena) {
-    CellRows rows = cell_rows_new(cell_count, arena);
+bool cell_rows_take(DerivedReader *reader, int cell_count, Arena *arena, CellRows *out) {
+    *out = cell_rows_new(cell_count, arena);
     // Bits beyond the last cell, which no row has, are dropped.
     uint64_t last = cell_count % 64 ? ((uint64_t)1 << (cell_count % 64)) - 1 : ONES;
-    CellWord *list = memory_new((size_t)rows.words * sizeof *list + 1);
-    for (int c = 0; c < cell_count; c++) {
-        int32_t count, head[2];
-        int words = 0;
-        memcpy(&count, packed, sizeof count);
-        packed += sizeof count;
-        for (int32_t r = 0; r < count; r++) {
-            memcpy(head, packed, RUN_HEAD);
-            packed += RUN_HEAD;
-            for (int32_t k = 0; k < abs(head[1]); k++) {
-                uint64_t bits = ONES;
-                if (head[1] > 0) memcpy(&bits, packed, sizeof bits), packed += sizeof bits;
-                if (head[0] + k == rows.words - 1) bits &= last;
-                if (bits) list[words++] = (CellWord){head[0] + k, bits};
-            }
-        }
-        store_row(&rows, c, list, words, arena);
+    CellWord *list = memory_new((size_t)out->words * sizeof *list + 1);
+    bool good = true;
+    for (int c = 0, words; c < cell_count && good; c++) {
+        good = take_row(reader, out->words, last, list, &words);
+        if (good) store_row(out, c, list, words, arena);
     }
     memory_free(list);
-    return rows;
+    return good;
 }

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "engine/core/arena.h"
+#include "engine/core/file.h"
 
 // Words `first` and on of a row.
 typedef struct CellRun {
@@ -68,11 +68,8 @@ CellRows cell_rows_copy(const CellRows *rows, Arena *arena);
 bool cell_rows_equal(const CellRows *a, const CellRows *b);
 long long cell_rows_count(const CellRows *rows);  // of all bits
 
-// For files: the rows as bytes, one after the other.
-size_t cell_rows_packed_size(const CellRows *rows);
-void cell_rows_pack(const CellRows *rows, unsigned char *out);
-// How many of `size` bytes are the packed rows of so many cells; 0: they are none. Does not look at the bits.
-size_t cell_rows_measure(const unsigned char *packed, size_t size, int cell_count);
-CellRows cell_rows_unpack(const unsigned char *packed, int cell_count, Arena *arena);
+// For files (file.h): the rows as bytes, one after the other. False where these are broken; the rows are not looked at beyond that.
+void cell_rows_put(const CellRows *rows, DerivedSink *sink);
+bool cell_rows_take(DerivedReader *reader, int cell_count, Arena *arena, CellRows *out);
 
 #endif

@@ -35,76 +35,34 @@ uint64_t vis_geometry_hash(const CellGraph *graph) {
                      (size_t)graph->portal_vertex_count * sizeof *graph->portal_vertices, hash);
 }
 
-typedef struct Sizes {
-    size_t root, bounded, seen, nodes, total;
-} Sizes;
-
 // Up to VIS_BITS cells, visible sets are stored bit by bit (`words` a row). Those of more are stored packed (CellRows): `words` is 0 then.
 enum { VIS_BITS = 8192 };
 
 static int words_of(int cells) { return cells > VIS_BITS ? 0 : (cells + 63) / 64; }
 
-// `packed`: bytes of visible sets that are stored so.
-static Sizes sizes_of(int cells, int nodes, size_t packed) {
-    Sizes s = {.root = ((size_t)cells + 1) * sizeof(int32_t),
-               .bounded = (size_t)cells,
-               .seen = words_of(cells) ? (size_t)cells * (size_t)words_of(cells) * sizeof(uint64_t) : packed,
-               .nodes = (size_t)nodes * sizeof(StabNode)};
-    s.total = s.root + s.bounded + s.seen + s.nodes;
-    return s;
-}
+static size_t root_size(int cells) { return ((size_t)cells + 1) * sizeof(int32_t); }
 
-static void put_seen(const StabForest *forest, unsigned char *at) {
-    size_t words = (size_t)words_of(forest->cell_count);
-    if (words == 0) {
-        cell_rows_pack(&forest->seen, at);
-        return;
-    }
-    uint64_t *row = memory_new(words * sizeof *row);
-    for (int c = 0; c < forest->cell_count; c++, at += words * sizeof *row) {
-        memset(row, 0, words * sizeof *row);
+static void put_forest(DerivedSink *sink, const void *context) {
+    const StabForest *forest = context;
+    int cells = forest->cell_count, words = words_of(cells);
+    derived_put(sink, forest->root, root_size(cells));
+    derived_put(sink, forest->bounded, (size_t)cells);
+    if (words == 0) cell_rows_put(&forest->seen, sink);
+    for (int c = 0; c < cells && words > 0; c++) {
+        uint64_t row[VIS_BITS / 64] = {0};
         cell_rows_join(&forest->seen, c, row);
-        memcpy(at, row, words * sizeof *row);
+        derived_put(sink, row, (size_t)words * sizeof *row);
     }
-    memory_free(row);
-}
-
-// Bits beyond the last cell, which no row has, are dropped.
-static void get_seen(const unsigned char *at, StabForest *forest, Arena *arena) {
-    size_t words = (size_t)words_of(forest->cell_count);
-    if (words == 0) {
-        forest->seen = cell_rows_unpack(at, forest->cell_count, arena);
-        return;
-    }
-    uint64_t *row = memory_new(words * sizeof *row);
-    forest->seen = cell_rows_new(forest->cell_count, arena);
-    for (int c = 0; c < forest->cell_count; c++, at += words * sizeof *row) {
-        memcpy(row, at, words * sizeof *row);
-        if (forest->cell_count % 64) row[words - 1] &= ((uint64_t)1 << (forest->cell_count % 64)) - 1;
-        cell_rows_set(&forest->seen, c, row, arena);
-    }
-    memory_free(row);
+    derived_put(sink, forest->nodes, (size_t)forest->node_count * sizeof *forest->nodes);
 }
 
 bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error) {
-    int cells = forest->cell_count;
-    Sizes s = sizes_of(cells, forest->node_count, words_of(cells) ? 0 : cell_rows_packed_size(&forest->seen));
-    unsigned char *file = derived_new(path, &KIND, s.total, error);
-    if (!file) return false;
-    Header header = {.cell_count = cells,
+    Header header = {.cell_count = forest->cell_count,
                      .portal_count = graph->portal_count,
                      .node_count = forest->node_count,
-                     .words = words_of(cells)};
-    memcpy(file, &header, sizeof header);
-    unsigned char *at = file + sizeof header;
-    memcpy(at, forest->root, s.root);
-    memcpy(at += s.root, forest->bounded, s.bounded);
-    put_seen(forest, at += s.bounded);
-    memcpy(at + s.seen, forest->nodes, s.nodes);
-    bool good =
-        derived_write(path, &KIND, graph->building->hash, vis_geometry_hash(graph), file, s.total, error);
-    memory_free(file);
-    return good;
+                     .words = words_of(forest->cell_count)};
+    return derived_write(path, &KIND, graph->building->hash, vis_geometry_hash(graph), &header, put_forest,
+                         forest, error);
 }
 
 static bool check_cells(const char *path, const Header *h, const CellGraph *graph, Error *error) {
@@ -133,40 +91,51 @@ static bool check_nodes(const StabForest *f, int portal_count) {
     return true;
 }
 
-// The sizes that the header tells, and of packed sets those that they tell; false where these are broken.
-static bool sizes_in(const Header *h, Bytes file, Sizes *out) {
-    *out = sizes_of(h->cell_count, h->node_count, 0);
-    if (words_of(h->cell_count)) return true;
-    size_t at = sizeof *h + out->root + out->bounded;
-    size_t packed = file.size > at ? cell_rows_measure(file.data + at, file.size - at, h->cell_count) : 0;
-    *out = sizes_of(h->cell_count, h->node_count, packed);
-    return packed > 0;
+// Bits beyond the last cell, which no row has, are dropped.
+static bool take_seen(DerivedReader *reader, StabForest *forest, Arena *arena) {
+    int cells = forest->cell_count, words = words_of(cells);
+    if (words == 0) return cell_rows_take(reader, cells, arena, &forest->seen);
+    forest->seen = cell_rows_new(cells, arena);
+    for (int c = 0; c < cells; c++) {
+        uint64_t row[VIS_BITS / 64];
+        if (!derived_take(reader, row, (size_t)words * sizeof *row)) return false;
+        if (cells % 64) row[words - 1] &= ((uint64_t)1 << (cells % 64)) - 1;
+        cell_rows_set(&forest->seen, c, row, arena);
+    }
+    return true;
+}
+
+// Has the body the length that the header tells? That of packed sets follows from them alone.
+static bool check_size(const DerivedReader *reader, const Header *h, Error *error) {
+    size_t cells = (size_t)h->cell_count, words = (size_t)words_of(h->cell_count),
+           least = root_size(h->cell_count) + cells + cells * words * sizeof(uint64_t) +
+                   (size_t)h->node_count * sizeof(StabNode);
+    if (words == 0 && reader->left >= least) return true;
+    return derived_check_size(reader->path, &KIND, reader->header + reader->left, least, error);
+}
+
+static bool take_forest(DerivedReader *reader, const Header *h, Arena *arena, StabForest *out, Error *error) {
+    int cells = h->cell_count;
+    size_t nodes = (size_t)h->node_count * sizeof *out->nodes;
+    *out = (StabForest){.node_count = h->node_count, .cell_count = cells, .words = (cells + 63) / 64};
+    out->root = arena_alloc(arena, root_size(cells), 1);
+    out->bounded = arena_alloc(arena, (size_t)cells, 1);
+    if (!derived_take(reader, out->root, root_size(cells)) ||
+        !derived_take(reader, out->bounded, (size_t)cells) || !take_seen(reader, out, arena) ||
+        reader->left != nodes)
+        return error_set(error, "%s: is damaged: its visible sets are broken", reader->path);
+    out->nodes = arena_alloc(arena, nodes, 1);
+    memory_expect_full(out->nodes, nodes);
+    return (derived_take(reader, out->nodes, nodes) && check_nodes(out, h->portal_count)) ||
+           error_set(error, "%s: is damaged: its trees are broken", reader->path);
 }
 
 bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest *out, Error *error) {
-    Arena scratch = {0};
-    Bytes file;
+    DerivedReader reader;
     Header h;
-    Sizes s;
-    bool good = derived_read(path, &KIND, graph->building->hash, &scratch, &file, error);
-    if (good) {
-        memcpy(&h, file.data, sizeof h);
-        good = check_cells(path, &h, graph, error) &&
-               (sizes_in(&h, file, &s) ||
-                error_set(error, "%s: is damaged: its visible sets are broken", path)) &&
-               derived_check_body(path, &KIND, file, s.total, error);
-    }
-    if (good) {
-        const unsigned char *at = file.data + sizeof h;
-        *out = (StabForest){
-            .node_count = h.node_count, .cell_count = h.cell_count, .words = (h.cell_count + 63) / 64};
-        out->root = memcpy(arena_alloc(arena, s.root, 1), at, s.root);
-        out->bounded = memcpy(arena_alloc(arena, s.bounded, 1), at += s.root, s.bounded);
-        get_seen(at += s.bounded, out, arena);
-        out->nodes = memcpy(arena_alloc(arena, s.nodes, 1), at + s.seen, s.nodes);
-        good = check_nodes(out, h.portal_count) ||
-               error_set(error, "%s: is damaged: its trees are broken", path);
-    }
-    arena_free(&scratch);
+    if (!derived_begin(path, &KIND, graph->building->hash, &h, &reader, error)) return false;
+    bool good = check_cells(path, &h, graph, error) && check_size(&reader, &h, error) &&
+                derived_sound(&reader, &h, error) && take_forest(&reader, &h, arena, out, error);
+    derived_end(&reader);
     return good;
 }

@@ -50,28 +50,37 @@ static int open_regular(const char *path, struct stat *info, Error *error) {
     return -1;
 }
 
+// As open_regular, of a file of at most `limit` bytes.
+static int open_within(const char *path, size_t limit, size_t *size, Error *error) {
+    struct stat info;
+    int fd = open_regular(path, &info, error);
+    if (fd < 0) return -1;
+    *size = (size_t)info.st_size;
+    if ((uint64_t)info.st_size <= limit) return fd;
+    error_set(error, "%s: has %lld bytes (at most %zu are read)", path, (long long)info.st_size, limit);
+    close(fd);
+    return -1;
+}
+
+// Reads so many bytes, which the file has.
+static bool read_all(const char *path, int fd, void *out, size_t size, Error *error) {
+    size_t got = 0;
+    ssize_t step = 1;
+    while (got < size && (step = read(fd, (unsigned char *)out + got, size - got)) > 0) got += (size_t)step;
+    if (step >= 0 && got == size) return true;
+    return error_set(error, "%s: cannot be read: %s", path, step < 0 ? strerror(errno) : "it shrank");
+}
+
 // Reads the first `most` bytes of a file of at most `limit` bytes, and tells the size of the whole file.
 static bool read_start(const char *path, size_t limit, size_t most, Arena *arena, Bytes *out, size_t *whole,
                        Error *error) {
-    struct stat info;
-    int fd = open_regular(path, &info, error);
+    int fd = open_within(path, limit, whole, error);
     if (fd < 0) return false;
-    bool good = false;
-    if ((uint64_t)info.st_size > limit) {
-        error_set(error, "%s: has %lld bytes (at most %zu are read)", path, (long long)info.st_size, limit);
-    } else {
-        *whole = (size_t)info.st_size;
-        out->size = *whole < most ? *whole : most;
-        memory_note_read(out->size);
-        out->data = arena_alloc(arena, out->size + 1, 1);
-        memory_expect_full(out->data, out->size);
-        size_t got = 0;
-        ssize_t step = 1;
-        while (got < out->size && (step = read(fd, out->data + got, out->size - got)) > 0)
-            got += (size_t)step;
-        good = step >= 0 && got == out->size;
-        if (!good) error_set(error, "%s: cannot be read: %s", path, step < 0 ? strerror(errno) : "it shrank");
-    }
+    out->size = *whole < most ? *whole : most;
+    memory_note_read(out->size);
+    out->data = arena_alloc(arena, out->size + 1, 1);
+    memory_expect_full(out->data, out->size);
+    bool good = read_all(path, fd, out->data, out->size, error);
     close(fd);
     return good;
 }
@@ -392,14 +401,17 @@ static bool write_all(int fd, const char *data, size_t size) {
     return true;
 }
 
-static bool write_whole(const char *path, const void *data, size_t size, Error *error) {
+// Writes the content of a file; it may be asked for twice.
+typedef bool Write(int fd, const void *context);
+
+static bool write_whole(const char *path, Write *content, const void *context, Error *error) {
     // A file system may make nameless files and yet refuse to name them, so the second try uses a named file. Any other failure
     // occurs again on the second try.
     for (int named = 0; named < 2; named++) {
         FileDraft draft;
         if (!begin_draft(path, named, &draft, error)) return false;
         bool again = !draft.stream && !*draft.beside;
-        if (write_all(draft.fd, data, size)) {
+        if (content(draft.fd, context)) {
             if (file_keep(&draft, error)) return true;
         } else {
             fail(path, error);
@@ -410,11 +422,26 @@ static bool write_whole(const char *path, const void *data, size_t size, Error *
     return false;
 }
 
-bool file_write(const char *path, const void *data, size_t size, Error *error) {
+static bool write_content(const char *path, Write *content, const void *context, Error *error) {
     memory_hold_end();
-    bool good = write_whole(path, data, size, error);
+    bool good = write_whole(path, content, context, error);
     memory_release_end();
     return good;
+}
+
+typedef struct Content {
+    const void *data;
+    size_t size;
+} Content;
+
+static bool write_data(int fd, const void *context) {
+    const Content *content = context;
+    return write_all(fd, content->data, content->size);
+}
+
+bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    Content content = {data, size};
+    return write_content(path, write_data, &content, error);
 }
 
 bool file_check(const char *path, size_t size, Error *error) {
@@ -447,22 +474,76 @@ static const uint32_t BYTE_ORDER_MARK = 0x01020304;
 
 _Static_assert(sizeof(DerivedHead) == 40, "the files that exist begin with 40 bytes");
 
-unsigned char *derived_new(const char *path, const DerivedKind *kind, size_t body_size, Error *error) {
-    unsigned char *file = memory_try(kind->header + body_size);
-    if (!file) error_set(error, "%s: no memory for %zu bytes", path, kind->header + body_size);
-    return file;
+// Pieces are written or hashed in blocks of so many bytes.
+enum { BLOCK = 1 << 16 };
+
+struct DerivedSink {
+    int fd;               // -1: bytes are hashed
+    XXH3_state_t *state;  // of the hash
+    bool good;
+    size_t used;
+    unsigned char block[BLOCK];
+};
+
+static void drain(DerivedSink *sink, const void *data, size_t size) {
+    if (sink->fd < 0)
+        XXH3_64bits_update(sink->state, data, size);
+    else
+        sink->good = sink->good && write_all(sink->fd, data, size);
+}
+
+void derived_put(DerivedSink *sink, const void *data, size_t size) {
+    if (sink->used + size > BLOCK) {
+        drain(sink, sink->block, sink->used);
+        sink->used = 0;
+    }
+    if (size > BLOCK) {
+        drain(sink, data, size);
+    } else if (size > 0) {
+        memcpy(sink->block + sink->used, data, size);
+        sink->used += size;
+    }
+}
+
+typedef struct Derived {
+    const DerivedKind *kind;
+    const void *header, *context;
+    DerivedBody *body;
+} Derived;
+
+static bool put_derived(const Derived *d, DerivedSink *sink) {
+    d->body(sink, d->context);
+    drain(sink, sink->block, sink->used);
+    return sink->good;
+}
+
+static uint64_t hash_derived(const Derived *d) {
+    XXH3_state_t state;
+    XXH3_INITSTATE(&state);
+    XXH3_64bits_reset(&state);
+    DerivedSink sink = {.fd = -1, .state = &state, .good = true};
+    put_derived(d, &sink);
+    return XXH3_64bits_digest(&state);
+}
+
+static bool write_derived(int fd, const void *context) {
+    const Derived *d = context;
+    DerivedSink sink = {.fd = fd, .good = true};
+    derived_put(&sink, d->header, d->kind->header);
+    return put_derived(d, &sink);
 }
 
 bool derived_write(const char *path, const DerivedKind *kind, uint64_t building, uint64_t geometry,
-                   unsigned char *file, size_t body_size, Error *error) {
+                   void *header, DerivedBody *body, const void *context, Error *error) {
+    Derived d = {kind, header, context, body};
     DerivedHead head = {.version = kind->version,
                         .byte_order = BYTE_ORDER_MARK,
                         .building = building,
                         .geometry = geometry,
-                        .body = file_hash(file + kind->header, body_size, 0)};
+                        .body = hash_derived(&d)};
     memcpy(head.magic, kind->magic, sizeof head.magic);
-    memcpy(file, &head, sizeof head);
-    return file_write(path, file, kind->header + body_size, error);
+    memcpy(header, &head, sizeof head);
+    return write_content(path, write_derived, &d, error);
 }
 
 static bool check_head(const char *path, const DerivedKind *kind, const DerivedHead *head, uint64_t building,
@@ -517,3 +598,51 @@ bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, s
         return error_set(error, "%s: is damaged: its checksum is wrong", path);
     return true;
 }
+
+bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building, void *header,
+                   DerivedReader *out, Error *error) {
+    size_t whole;
+    int fd = open_within(path, kind->largest, &whole, error);
+    if (fd < 0) return false;
+    DerivedHead head;
+    bool good = true;
+    if (whole < kind->header)
+        good = error_set(error, "%s: has %zu bytes, less than a %s header", path, whole, kind->name);
+    good = good && read_all(path, fd, header, kind->header, error);
+    if (good) {
+        memcpy(&head, header, sizeof head);
+        good = check_head(path, kind, &head, building, error);
+    }
+    *out = (DerivedReader){.path = path,
+                           .file = good ? fdopen(fd, "r") : NULL,
+                           .header = kind->header,
+                           .left = whole - kind->header};
+    if (!out->file) close(fd);
+    return good && (out->file || error_set(error, "%s: cannot be opened: %s", path, strerror(errno)));
+}
+
+bool derived_sound(DerivedReader *reader, const void *header, Error *error) {
+    unsigned char block[BLOCK];
+    XXH3_state_t state;
+    XXH3_INITSTATE(&state);
+    XXH3_64bits_reset(&state);
+    DerivedReader from = *reader;
+    for (size_t size; (size = from.left < BLOCK ? from.left : BLOCK) > 0;) {
+        if (!derived_take(&from, block, size)) return error_set(error, "%s: cannot be read", reader->path);
+        XXH3_64bits_update(&state, block, size);
+    }
+    DerivedHead head;
+    memcpy(&head, header, sizeof head);
+    if (XXH3_64bits_digest(&state) != head.body)
+        return error_set(error, "%s: is damaged: its checksum is wrong", reader->path);
+    return fseeko(reader->file, (off_t)reader->header, SEEK_SET) == 0 ||
+           error_set(error, "%s: cannot be read: %s", reader->path, strerror(errno));
+}
+
+bool derived_take(DerivedReader *reader, void *out, size_t size) {
+    if (size > reader->left || fread(out, 1, size, reader->file) != size) return false;
+    reader->left -= size;
+    return true;
+}
+
+void derived_end(DerivedReader *reader) { fclose(reader->file); }

@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
@@ -81,13 +82,16 @@ typedef struct DerivedKind {
     size_t largest;  // bytes; a larger file is refused
 } DerivedKind;
 
-// Returns zeroed memory for a file of this kind, to be freed by memory_free, or NULL, with an error, if there is not enough: a
-// result that took hours to make must not be lost for lack of memory to store it.
-unsigned char *derived_new(const char *path, const DerivedKind *kind, size_t body_size, Error *error);
+// The bytes of a body, in their order, any number at a time.
+typedef struct DerivedSink DerivedSink;
+void derived_put(DerivedSink *sink, const void *data, size_t size);
+// Puts a whole body. It is called several times, puts the same each time, and requests no memory: a result that took hours to make must
+// not be lost for lack of memory to store it.
+typedef void DerivedBody(DerivedSink *sink, const void *context);
 
-// Fills in the DerivedHead of a file that is otherwise complete, and writes the file.
+// Writes a header, in which it fills in the DerivedHead, and a body, as file_write does.
 bool derived_write(const char *path, const DerivedKind *kind, uint64_t building, uint64_t geometry,
-                   unsigned char *file, size_t body_size, Error *error);
+                   void *header, DerivedBody *body, const void *context, Error *error);
 
 // Reads a file and checks that it is of this kind, version and building. `out` then holds at least a header.
 bool derived_read(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena, Bytes *out,
@@ -104,5 +108,21 @@ bool derived_check_size(const char *path, const DerivedKind *kind, size_t whole,
 // Has the body `body_size` bytes, the length that the caller took from the header, and the checksum of the head?
 bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, size_t body_size,
                         Error *error);
+
+// Or a large file is read piece by piece.
+typedef struct DerivedReader {
+    const char *path;
+    FILE *file;
+    size_t header;  // bytes of it
+    size_t left;    // bytes of the body that are not taken yet
+} DerivedReader;
+// Reads and checks the header, as derived_read does. To be ended if true.
+bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building, void *header,
+                   DerivedReader *out, Error *error);
+// Has the body, of which nothing was taken yet, the checksum of the head?
+bool derived_sound(DerivedReader *reader, const void *header, Error *error);
+// Takes the next bytes; false where fewer are left, or where they cannot be read.
+bool derived_take(DerivedReader *reader, void *out, size_t size);
+void derived_end(DerivedReader *reader);
 
 #endif

@@ -269,13 +269,6 @@ void *memory_grow(void *old, size_t bytes) {
     return count(memory);
 }
 
-void *memory_try(size_t bytes) {
-    // Whoever goes on without it stays within the budget.
-    bool fits = memory_used() + bytes <= atomic_load_explicit(&most, memory_order_relaxed);
-    void *memory = fits && granted() ? calloc(1, bytes ? bytes : 1) : NULL;
-    return memory ? count(memory) : NULL;
-}
-
 void memory_free(void *memory) {
     if (!memory) return;
     uncount(memory);

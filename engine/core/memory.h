@@ -15,9 +15,8 @@
 void *memory_new(size_t bytes);              // never NULL; not zeroed
 void *memory_new_zeroed(size_t bytes);       // never NULL; large pieces come from the system, untouched
 void *memory_grow(void *old, size_t bytes);  // as realloc, but never NULL
-void *memory_try(size_t bytes);  // zeroed; NULL where there is none, for callers that can go on without it
-bool memory_fits(size_t bytes);  // is a request for `bytes` within the budget?
-void memory_free(void *memory);  // NULL is allowed
+bool memory_fits(size_t bytes);              // is a request for `bytes` within the budget?
+void memory_free(void *memory);              // NULL is allowed
 // All of this memory, which comes from here and was not touched yet, will be written: the system may give it large pages, which are
 // several times as quick to get and to find again. Memory that stays untouched in part would take more than without.
 void memory_expect_full(void *memory, size_t bytes);

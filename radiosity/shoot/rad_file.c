@@ -141,28 +141,33 @@ static int64_t each_size(const RadSolution *s) {
     return (int64_t)size;
 }
 
-static unsigned char *write_sparse(unsigned char *to, const SparseLight *light) {
-    SparseHead head = {light->count, light->block_count, light->greatest, 0};
-    size_t blocks = (size_t)light->block_count * sizeof(int32_t);
-    memcpy(to, &head, sizeof head);
-    if (light->block_count > 0) {
-        memcpy(to + sizeof head, light->block, blocks);
-        memcpy(to + sizeof head + round_up(blocks), light->value,
-               (size_t)light->block_count * sizeof *light->value);
-    }
-    return to + sparse_size(light->block_count);
+// Puts zeros after so many bytes, up to a multiple of eight.
+static void put_zeros(DerivedSink *sink, size_t size) {
+    static const uint64_t ZEROS = 0;
+    derived_put(sink, &ZEROS, round_up(size) - size);
 }
 
-static void write_each(unsigned char *to, const RadSolution *s) {
+static void put_padded(DerivedSink *sink, const void *data, size_t size) {
+    derived_put(sink, data, size);
+    put_zeros(sink, size);
+}
+
+static void put_sparse(DerivedSink *sink, const SparseLight *light) {
+    SparseHead head = {light->count, light->block_count, light->greatest, 0};
+    derived_put(sink, &head, sizeof head);
+    put_padded(sink, light->block, (size_t)light->block_count * sizeof(int32_t));
+    derived_put(sink, light->value, (size_t)light->block_count * sizeof *light->value);
+}
+
+static void put_each(DerivedSink *sink, const RadSolution *s) {
     for (int i = 0; i < s->each_count; i++) {
         LampLight light = s->each[i];
         SparseLight *vector[VECTORS];
         vectors_of(&light, vector);
-        for (int v = 0; v < VECTORS; v++) to = write_sparse(to, vector[v]);
-        memcpy(to, light.emitted, sizeof light.emitted);
-        memcpy(to + sizeof light.emitted, light.absorbed, sizeof light.absorbed);
-        memcpy(to + sizeof light.emitted + sizeof light.absorbed, light.escaped, sizeof light.escaped);
-        to += sizeof light.emitted + sizeof light.absorbed + sizeof light.escaped;
+        for (int v = 0; v < VECTORS; v++) put_sparse(sink, vector[v]);
+        derived_put(sink, light.emitted, sizeof light.emitted);
+        derived_put(sink, light.absorbed, sizeof light.absorbed);
+        derived_put(sink, light.escaped, sizeof light.escaped);
     }
 }
 
@@ -245,31 +250,34 @@ static float stored_state(const unsigned char *body, int door) {
 // NULL stands for all wide open.
 static float door_state(const float *door_open, int door) { return door_open ? door_open[door] : 1; }
 
-static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, const float *door_open,
-                       const RadSolution *solution) {
-    Sizes s = sizes_of(h);
+// A solution to be stored.
+typedef struct Stored {
+    const Header *header;
+    const Mesh *mesh;
+    const float *door_open;
+    const RadSolution *solution;
+} Stored;
+
+static void put_body(DerivedSink *sink, const void *context) {
+    const Stored *stored = context;
+    const Header *h = stored->header;
+    const RadSolution *s = stored->solution;
+    Sizes size = sizes_of(h);
     for (int i = 0; i < h->door_count; i++) {
-        float state = door_state(door_open, i);
-        memcpy(body + (size_t)i * sizeof state, &state, sizeof state);
+        float state = door_state(stored->door_open, i);
+        derived_put(sink, &state, sizeof state);
     }
-    body += s.doors;
-    if (h->split_bits > 0) memcpy(body, mesh->options.splits->bits, split_bytes(h));
-    body += s.splits;
-    memcpy(body, solution->radiosity, s.radiosity);
-    body += s.radiosity;
-    memcpy(body, solution->direct, s.direct);
-    body += s.direct;
-    memcpy(body, solution->unshot, s.unshot);
-    body += s.unshot;
-    memcpy(body, solution->daylight, s.daylight);
-    body += s.daylight;
-    if (solution->node) memcpy(body, solution->node, s.nodes);
-    if (h->rest_count > 0) memcpy(body + s.nodes, solution->rest, s.rest);
-    body += s.nodes + s.rest;
-    if (solution->shown) memcpy(body, solution->shown->bits, bit_bytes(h->shown_bits));
-    body += s.shown;
-    if (h->lamp_count > 0) memcpy(body, solution->lit, (size_t)h->lamp_count * sizeof(Rgb));
-    write_each(body + s.lit, solution);
+    put_zeros(sink, (size_t)h->door_count * sizeof(float));
+    if (h->split_bits > 0) put_padded(sink, stored->mesh->options.splits->bits, split_bytes(h));
+    derived_put(sink, s->radiosity, size.radiosity);
+    derived_put(sink, s->direct, size.direct);
+    derived_put(sink, s->unshot, size.unshot);
+    derived_put(sink, s->daylight, size.daylight);
+    derived_put(sink, s->node, size.nodes);
+    derived_put(sink, s->rest, size.rest);
+    if (s->shown) put_padded(sink, s->shown->bits, bit_bytes(h->shown_bits));
+    put_padded(sink, s->lit, (size_t)h->lamp_count * sizeof(Rgb));
+    put_each(sink, s);
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
@@ -298,14 +306,9 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
     header.day = solution->day;
     memcpy(header.escaped, solution->escaped, sizeof header.escaped);
     header.rest = rest_hash(&header);
-    size_t total = sizes_of(&header).total;
-    unsigned char *file = derived_new(path, &KIND, total, error);
-    if (!file) return false;
-    memcpy(file, &header, sizeof header);
-    write_body(file + sizeof header, &header, mesh, door_open, solution);
-    bool good = derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), file, total, error);
-    memory_free(file);
-    return good;
+    Stored stored = {&header, mesh, door_open, solution};
+    return derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), &header, put_body, &stored,
+                         error);
 }
 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "engine/core/file.h"
-#include "engine/core/memory.h"
 
 typedef struct Header {
     DerivedHead head;
@@ -16,19 +15,17 @@ static const DerivedKind KIND = {
 
 static size_t rows_size(int cells, int words) { return (size_t)cells * (size_t)words * sizeof(uint64_t); }
 
-bool pairs_save(const char *path, const CellGraph *graph, const PairSet *set, Error *error) {
+static void put_rows(DerivedSink *sink, const void *context) {
+    const PairSet *set = context;
     size_t rows = rows_size(set->cell_count, set->words);
-    unsigned char *file = derived_new(path, &KIND, 2 * rows, error);
-    if (!file) return false;
-    Header *header = (Header *)file;
-    header->cell_count = set->cell_count;
-    header->words = set->words;
-    memcpy(file + sizeof *header, set->seen, rows);
-    memcpy(file + sizeof *header + rows, set->proven, rows);
-    bool good =
-        derived_write(path, &KIND, vis_geometry_hash(graph), vis_geometry_hash(graph), file, 2 * rows, error);
-    memory_free(file);
-    return good;
+    derived_put(sink, set->seen, rows);
+    derived_put(sink, set->proven, rows);
+}
+
+bool pairs_save(const char *path, const CellGraph *graph, const PairSet *set, Error *error) {
+    Header header = {.cell_count = set->cell_count, .words = set->words};
+    uint64_t hash = vis_geometry_hash(graph);
+    return derived_write(path, &KIND, hash, hash, &header, put_rows, set, error);
 }
 
 // Do the rows say of each pair the same both ways, of each cell that it sees itself, and that what is proven is seen?

@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+#include "engine/core/box_tree.h"
 #include "engine/core/error.h"
 #include "engine/sim/door_part.h"
 
@@ -37,8 +38,21 @@ static bool may_meet(const Building *b, const Opening *p, const Opening *q) {
     return false;
 }
 
+// The box of all leaves of an opening, wherever they stand.
+static Box leaves_reach(const Building *b, const Opening *o) {
+    Box box = box_empty();
+    for (int i = o->first_leaf; i < o->first_leaf + o->leaf_count; i++)
+        box = box_union(box, door_leaf_reach(&b->leaves[i]));
+    return box;
+}
+
 Doors doors_new(const CellGraph *graph, Arena *arena) {
     const Building *b = graph->building;
+    Arena scratch = {0};
+    Box *reach = ARENA_ARRAY(&scratch, Box, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) reach[i] = leaves_reach(b, &b->openings[i]);
+    BoxTree tree = box_tree_build(reach, b->opening_count, &scratch);
+    BoxHits near = {0};
     Doors d = {.graph = graph,
                .open = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .wanted = ARENA_ARRAY(arena, float, b->opening_count + 1),
@@ -49,11 +63,15 @@ Doors doors_new(const CellGraph *graph, Arena *arena) {
         const Opening *o = &b->openings[i];
         d.open[i] = d.wanted[i] = o->kind == OPENING_DOOR ? (float)o->open : 1;
         d.near_first[i] = count;
-        for (int k = 0; k < b->opening_count; k++) {
+        if (o->leaf_count == 0) continue;
+        int found = box_tree_find(&tree, box_grow(reach[i], CLEAR), &scratch, &near);
+        for (int n = 0; n < found; n++) {
+            int k = near.items[n];
             if (k != i && may_meet(b, o, &b->openings[k])) *ARENA_PUSH(arena, d.near, count, capacity) = k;
         }
     }
     d.near_first[b->opening_count] = count;
+    arena_free(&scratch);
     return d;
 }
 
@@ -64,16 +82,21 @@ static double openings_apart(const Opening *a, const Opening *b) {
     return fmax(ends, fabs(a->sill - b->sill));
 }
 
-// The opening of the building `of` that is nearest to `to`, nearer than `reach` metres, not `taken` (NULL: all are free) and, if
-// `named`, of the same name; -1: none.
-static int nearest_opening(const Opening *to, const Building *of, double reach, bool named,
-                           const unsigned char *taken) {
+// Where its line begins.
+static Box opening_begins(const Opening *o) {
+    Vec3 at = vec3(o->line[0].x, o->line[0].y, o->sill);
+    return (Box){at, at};
+}
+
+// The opening of the building `of` that is nearest to `to`, not `taken` and of the same name; -1: none.
+static int nearest_of_name(const Opening *to, const Building *of, const unsigned char *taken) {
     int best = -1;
+    double least = INFINITY;
     for (int k = 0; k < of->opening_count; k++) {
         const Opening *o = &of->openings[k];
-        if ((taken && taken[k]) || (named && strcmp(o->name, to->name) != 0)) continue;
+        if (taken[k] || strcmp(o->name, to->name) != 0) continue;
         double apart = openings_apart(o, to);
-        if (apart < reach) best = k, reach = apart;
+        if (apart < least) best = k, least = apart;
     }
     return best;
 }
@@ -83,12 +106,23 @@ void doors_keep(Doors *doors, const Doors *earlier) {
     Arena scratch = {0};
     unsigned char *taken = ARENA_ARRAY(&scratch, unsigned char, before->opening_count + 1);
     int *at = ARENA_ARRAY(&scratch, int, now->opening_count + 1);
+    Box *begins = ARENA_ARRAY(&scratch, Box, before->opening_count + 1);
+    for (int k = 0; k < before->opening_count; k++) begins[k] = opening_begins(&before->openings[k]);
+    BoxTree tree = box_tree_build(begins, before->opening_count, &scratch);
+    BoxHits near = {0};
     for (int i = 0; i < now->opening_count; i++) {
-        at[i] = nearest_opening(&now->openings[i], before, SAME_PLACE, false, NULL);
+        const Opening *o = &now->openings[i];
+        box_tree_find(&tree, box_grow(opening_begins(o), SAME_PLACE), &scratch, &near);
+        at[i] = -1;
+        double reach = SAME_PLACE;
+        for (int n = 0; n < near.count; n++) {
+            double apart = openings_apart(&before->openings[near.items[n]], o);
+            if (apart < reach) at[i] = near.items[n], reach = apart;
+        }
         if (at[i] >= 0) taken[at[i]] = 1;
     }
     for (int i = 0; i < now->opening_count; i++) {
-        if (at[i] < 0) at[i] = nearest_opening(&now->openings[i], before, INFINITY, true, taken);
+        if (at[i] < 0) at[i] = nearest_of_name(&now->openings[i], before, taken);
         if (at[i] >= 0) doors_set(doors, i, earlier->open[at[i]]);
     }
     arena_free(&scratch);

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "engine/core/box_tree.h"
+
 // Columns are this far apart, metres: half the body's radius. Where the building has more than MOST_COLUMNS of them, they are
 // farther apart, up to LARGEST: less than a narrow doorway is wide.
 static const double APART = 0.1, LARGEST = 0.3;
@@ -21,7 +23,11 @@ typedef struct Flood {
     TourFloor *floor;
     BodyWorld world;
     Arena *arena;
-    int *things, thing_count;  // pieces of furniture with a stand-in
+    // Pieces of furniture with a stand-in, and the tree of where a body may be at them.
+    int *things;
+    BoxTree reach;
+    BoxHits near;
+    Arena *scratch;
 } Flood;
 
 static const int STEPS[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
@@ -73,16 +79,16 @@ bool tour_floor_in_things(const Building *b, Vec3 eye, double grow) {
     return false;
 }
 
-static unsigned unfit_of(const Flood *w, const Body *body) {
+static unsigned unfit_of(Flood *w, const Body *body) {
     const CellGraph *graph = w->floor->graph;
     unsigned unfit = body->height < BODY_HEIGHT - ON_THINGS ? FLOOR_LOW : 0;
     if (body->cell >= 0 && vis_region(graph, body->cell)->kind == REGION_OUTDOORS) unfit |= FLOOR_OUTSIDE;
     Vec2 at = vec2(body->foot.x, body->foot.y);
     double eye = body->foot.z + body_eye(body);
-    for (int i = 0; i < w->thing_count; i++) {
-        const Object *o = &graph->building->objects[w->things[i]];
-        Box reach = box_grow(graph->object_boxes[w->things[i]], BODY_RADIUS);
-        if (at.x < reach.min.x || at.x > reach.max.x || at.y < reach.min.y || at.y > reach.max.y) continue;
+    Box here = {{at.x, at.y, -INFINITY}, {at.x, at.y, INFINITY}};
+    int found = box_tree_find(&w->reach, here, w->scratch, &w->near);
+    for (int i = 0; i < found; i++) {
+        const Object *o = &graph->building->objects[w->things[w->near.items[i]]];
         if (o->proxy->z0 > eye + EYE_CLEAR || o->proxy->z1 < body->foot.z - LEVEL) continue;
         if (eye < o->proxy->z1 + EYE_CLEAR) {
             if (!(unfit & FLOOR_IN_THINGS) && in_prism(o, at, EYE_CLEAR)) unfit |= FLOOR_IN_THINGS;
@@ -293,11 +299,16 @@ void tour_floor_make(const CellGraph *graph, Arena *arena, TourFloor *out) {
     const Building *b = graph->building;
     Arena scratch = {0};
     *out = (TourFloor){.graph = graph};
-    Flood w = {.floor = out, .world = body_world(graph, NULL, &scratch), .arena = arena};
+    Flood w = {.floor = out, .world = body_world(graph, NULL, &scratch), .arena = arena, .scratch = &scratch};
     w.things = ARENA_ARRAY(&scratch, int, b->object_count + 1);
+    Box *reach = ARENA_ARRAY(&scratch, Box, b->object_count + 1);
+    int count = 0;
     for (int i = 0; i < b->object_count; i++) {
-        if (is_thing(&b->objects[i])) w.things[w.thing_count++] = i;
+        if (!is_thing(&b->objects[i])) continue;
+        w.things[count] = i;
+        reach[count++] = box_grow(graph->object_boxes[i], BODY_RADIUS);
     }
+    w.reach = box_tree_build(reach, count, &scratch);
     lay(out, arena);
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = vis_region(graph, c);

@@ -38,7 +38,7 @@ static void read_apart(void *context) {
     IfcOptions options = ifc_default_options();
     options.threads = r->threads;
     double start = clock_seconds();
-    r->good = file_read(r->file, MAPS_LARGEST_FILE, &arena, &content, &r->error) &&
+    r->good = file_read_by(r->file, MAPS_LARGEST_FILE, r->threads, &arena, &content, &r->error) &&
               ifc_read(r->file, content, &options, &arena, &model, &r->error);
     r->seconds = clock_seconds() - start;
     r->usage = apart_usage();

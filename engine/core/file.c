@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,7 @@
 #include <xxhash.h>
 
 #include "engine/core/memory.h"
+#include "engine/core/parallel.h"
 
 // Only regular files are read: a device or a pipe may have no end, or nobody may ever write into it.
 static bool check_regular(const char *path, mode_t mode, Error *error) {
@@ -62,32 +64,64 @@ static int open_within(const char *path, size_t limit, size_t *size, Error *erro
     return -1;
 }
 
-// Reads so many bytes, which the file has.
-static bool read_all(const char *path, int fd, void *out, size_t size, Error *error) {
-    size_t got = 0;
-    ssize_t step = 1;
-    while (got < size && (step = read(fd, (unsigned char *)out + got, size - got)) > 0) got += (size_t)step;
-    if (step >= 0 && got == size) return true;
-    return error_set(error, "%s: cannot be read: %s", path, step < 0 ? strerror(errno) : "it shrank");
+// Bytes that a thread reads at a time; and from this size on, several threads read.
+enum { PART = 8 << 20, LARGE = 64 << 20 };
+enum { SHRANK = -1 };  // beside the system's numbers of errors
+
+// The reading of a file that is open.
+typedef struct Fetch {
+    int fd;
+    unsigned char *into;
+    size_t size;
+    atomic_int fault;  // 0: none so far
+} Fetch;
+
+static void fetch_part(void *context, int index, int thread) {
+    (void)thread;
+    Fetch *f = context;
+    size_t at = (size_t)index * PART, end = at + PART < f->size ? at + PART : f->size;
+    while (at < end) {
+        ssize_t got = pread(f->fd, f->into + at, end - at, (off_t)at);
+        if (got <= 0) {
+            atomic_store(&f->fault, got < 0 ? errno : SHRANK);
+            return;
+        }
+        at += (size_t)got;
+    }
+}
+
+// Reads the first bytes of a file, which has so many. Several threads read large files: most of the time goes by until the system has
+// found fresh pages for the bytes.
+static bool read_all(const char *path, int fd, void *out, size_t size, int threads, Error *error) {
+    Fetch f = {.fd = fd, .into = out, .size = size};
+    parallel_for(size < LARGE ? 1 : parallel_threads(threads), (int)((size + PART - 1) / PART), fetch_part,
+                 &f);
+    int fault = atomic_load(&f.fault);
+    if (fault == 0) return true;
+    return error_set(error, "%s: cannot be read: %s", path, fault == SHRANK ? "it shrank" : strerror(fault));
 }
 
 // Reads the first `most` bytes of a file of at most `limit` bytes, and tells the size of the whole file.
-static bool read_start(const char *path, size_t limit, size_t most, Arena *arena, Bytes *out, size_t *whole,
-                       Error *error) {
+static bool read_start(const char *path, size_t limit, size_t most, int threads, Arena *arena, Bytes *out,
+                       size_t *whole, Error *error) {
     int fd = open_within(path, limit, whole, error);
     if (fd < 0) return false;
     out->size = *whole < most ? *whole : most;
     memory_note_read(out->size);
     out->data = arena_alloc(arena, out->size + 1, 1);
     memory_expect_full(out->data, out->size);
-    bool good = read_all(path, fd, out->data, out->size, error);
+    bool good = read_all(path, fd, out->data, out->size, threads, error);
     close(fd);
     return good;
 }
 
 bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error) {
+    return file_read_by(path, limit, 0, arena, out, error);
+}
+
+bool file_read_by(const char *path, size_t limit, int threads, Arena *arena, Bytes *out, Error *error) {
     size_t whole;
-    return read_start(path, limit, limit, arena, out, &whole, error);
+    return read_start(path, limit, limit, threads, arena, out, &whole, error);
 }
 
 bool file_make_folder(const char *path, Error *error) {
@@ -563,7 +597,7 @@ static bool check_head(const char *path, const DerivedKind *kind, const DerivedH
 
 static bool read_derived(const char *path, const DerivedKind *kind, uint64_t building, size_t most,
                          Arena *arena, Bytes *out, size_t *whole, Error *error) {
-    if (!read_start(path, kind->largest, most, arena, out, whole, error)) return false;
+    if (!read_start(path, kind->largest, most, 0, arena, out, whole, error)) return false;
     if (out->size < kind->header)
         return error_set(error, "%s: has %zu bytes, less than a %s header", path, out->size, kind->name);
     DerivedHead head;
@@ -599,6 +633,10 @@ bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, s
     return true;
 }
 
+static bool go_to_body(DerivedReader *reader) {
+    return fseeko(reader->file, (off_t)reader->header, SEEK_SET) == 0;
+}
+
 bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building, void *header,
                    DerivedReader *out, Error *error) {
     size_t whole;
@@ -608,7 +646,7 @@ bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building,
     bool good = true;
     if (whole < kind->header)
         good = error_set(error, "%s: has %zu bytes, less than a %s header", path, whole, kind->name);
-    good = good && read_all(path, fd, header, kind->header, error);
+    good = good && read_all(path, fd, header, kind->header, 1, error);
     if (good) {
         memcpy(&head, header, sizeof head);
         good = check_head(path, kind, &head, building, error);
@@ -618,7 +656,8 @@ bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building,
                            .header = kind->header,
                            .left = whole - kind->header};
     if (!out->file) close(fd);
-    return good && (out->file || error_set(error, "%s: cannot be opened: %s", path, strerror(errno)));
+    return good && ((out->file && go_to_body(out)) ||
+                    error_set(error, "%s: cannot be opened: %s", path, strerror(errno)));
 }
 
 bool derived_sound(DerivedReader *reader, const void *header, Error *error) {
@@ -635,8 +674,7 @@ bool derived_sound(DerivedReader *reader, const void *header, Error *error) {
     memcpy(&head, header, sizeof head);
     if (XXH3_64bits_digest(&state) != head.body)
         return error_set(error, "%s: is damaged: its checksum is wrong", reader->path);
-    return fseeko(reader->file, (off_t)reader->header, SEEK_SET) == 0 ||
-           error_set(error, "%s: cannot be read: %s", reader->path, strerror(errno));
+    return go_to_body(reader) || error_set(error, "%s: cannot be read: %s", reader->path, strerror(errno));
 }
 
 bool derived_take(DerivedReader *reader, void *out, size_t size) {

@@ -18,6 +18,8 @@ typedef struct Bytes {
 // Reads a whole regular file. Fails on a missing or unreadable file, on a file of more than `limit` bytes and, without waiting, on
 // anything but a regular file.
 bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error);
+// The same by this many threads; 0: as many as there are processors, as file_read takes for large files.
+bool file_read_by(const char *path, size_t limit, int threads, Arena *arena, Bytes *out, Error *error);
 
 // Writes a new file beside `path`, flushes it to disk and renames it, so that an earlier file survives any failure. A symbolic link
 // stays, and the file that it leads to is replaced. The new file has the owner, group, mode and access list of the earlier file, as

@@ -222,3 +222,22 @@ Test(file, reads_regular_files_alone, .timeout = 20) {
     file_expect_text(&arena, refused[1][0], "whole");
     arena_free(&arena);
 }
+
+// Proves that several threads read what one reads, to the last byte of a part that is not full, and that a limit holds for large files.
+Test(file, large_files_are_read_by_threads, .timeout = 60) {
+    enum { SIZE = (64 << 20) + 12345 };
+    Arena arena = {0};
+    const char *path = arena_format(&arena, "%s/large", support_folder(&arena));
+    uint32_t *words = arena_alloc(&arena, SIZE / sizeof(uint32_t) + 1, sizeof(uint32_t));
+    for (size_t i = 0; i <= SIZE / sizeof(uint32_t); i++) words[i] = (uint32_t)i * 2654435761u;
+    Error error;
+    cr_assert(file_write(path, words, SIZE, &error), "%s", error.text);
+    for (int threads = 1; threads <= 3; threads++) {
+        Bytes bytes;
+        cr_assert(file_read_by(path, SIZE, threads, &arena, &bytes, &error), "%s", error.text);
+        cr_expect(bytes.size == SIZE && memcmp(bytes.data, words, SIZE) == 0, "%d threads", threads);
+        cr_expect_eq(bytes.data[SIZE], 0);
+        cr_expect_not(file_read_by(path, SIZE - 1, threads, &arena, &bytes, &error));
+    }
+    arena_free(&arena);
+}

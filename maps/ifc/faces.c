@@ -39,7 +39,8 @@ static bool loop_points(Reader *r, int record, Curve *out) {
         StepCursor c = ifc_list(r, &list);
         for (StepValue p = step_next(&c); p.kind != STEP_END; p = step_next(&c)) {
             if (ifc_type(r, p.record) != T_CARTESIANPOINT) {
-                ifc_note(r, record, "has a corner that is no point of the file: #%d", p.entity);
+                ifc_note(r, record, "has a corner that is no point of the file: #%d",
+                         p.kind == STEP_REF ? p.entity : 0);
                 return false;
             }
             ifc_curve_push(r, out, ifc_point(r, p.record));

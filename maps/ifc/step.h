@@ -20,6 +20,7 @@ enum {
     STEP_MOST_ENTITIES = 1 << 28,
     STEP_MOST_NAMED = INT32_MAX,  // the largest number after #
 };
+#define STEP_LARGEST UINT32_MAX  // bytes of a file
 
 // A file and the places of its entities. Records are numbered in the order of the file.
 typedef struct StepFile {
@@ -31,8 +32,8 @@ typedef struct StepFile {
     int record_count;
     int *entity;     // [record_count] the number after #
     uint16_t *type;  // [record_count]
-    size_t *at;      // [record_count] byte of the type's name, or of ( for a complex record
-    int *by_entity;  // [by_count] records, -1: none; by number, or a hash table where numbers are far apart
+    uint32_t *at;    // [record_count] byte of the ( before its arguments
+    int *by_entity;  // [by_count] record + 1, 0: none; by number, or a hash table where numbers are far apart
     int by_count;
     bool hashed;
 } StepFile;
@@ -54,13 +55,13 @@ typedef enum StepKind {
 typedef struct StepValue {
     StepKind kind;
     int record;  // of references: the record, -1 where the file has none of that number
-    int entity;  // of references: the number after #
+    uint32_t at,
+        size;  // bytes: of strings, binary data and enumerators without their quotes or dots; of lists and typed values from (
     union {
         double number;  // of numbers
-        size_t name;    // of typed values: where the name begins
+        uint32_t name;  // of typed values: where the name begins
+        int entity;     // of references: the number after #
     };
-    size_t at,
-        size;  // bytes: of strings, binary data and enumerators without their quotes or dots; of lists and typed values from their (
 } StepValue;
 
 // A place among arguments. Only one thread uses a cursor.

@@ -147,19 +147,13 @@ static void read_map(void *context, int index, int thread) {
     arena_reset(&r->scratch);
 }
 
-// The representation maps that items use.
-static void find_maps(Reader *r, IfcFile *file, Arena *arena) {
-    for (int i = 0; i < file->step.record_count; i++) {
-        StepValue v;
-        if (file->step.type[i] != T_MAPPEDITEM || !ifc_arguments(r, i, &v, 1)) continue;
-        if (ifc_type(r, v.record) == T_REPRESENTATIONMAP)
-            *ARENA_PUSH(arena, file->maps.pair, file->maps.count, file->maps.room) = (Pair){v.record, 0};
-    }
-    ifc_sort(&file->maps);
+// The representation maps that items use, each once.
+static void find_maps(IfcFile *file, const Pairs *used) {
+    file->maps = *used;
     int kept = 0;
-    for (int i = 0; i < file->maps.count; i++) {
-        if (kept > 0 && file->maps.pair[kept - 1].key == file->maps.pair[i].key) continue;
-        file->maps.pair[kept] = (Pair){file->maps.pair[i].key, kept};
+    for (int i = 0; i < used->count; i++) {
+        if (kept > 0 && used->pair[kept - 1].key == used->pair[i].key) continue;
+        used->pair[kept] = (Pair){used->pair[i].key, kept};
         kept++;
     }
     file->maps.count = kept;
@@ -337,14 +331,14 @@ static bool is_near(const IfcMesh *mesh) {
     return true;
 }
 
-// A product's parts stand between it and the one before it, as a rule: the text of the next product is asked for while this one is read.
+// A product's parts stand between it and the one before it, as a rule: their text, and its own, is asked for while that one is read.
 static void expect_next(const Work *work, int product) {
-    enum { MOST = 16384, LINE = 64 };
+    enum { MOST = 16384, LINE = 64, OWN = 2 * LINE };
     const StepFile *step = &work->file->step;
     if (product + 1 >= work->model->product_count) return;
-    size_t from = step->at[work->relations->record[product]],
-           to = step->at[work->relations->record[product + 1]];
-    if (to - from > MOST) from = to - MOST;
+    size_t from = step->at[work->relations->record[product]] + OWN,
+           to = step->at[work->relations->record[product + 1]] + OWN;
+    if (to > from + MOST) from = to - MOST;
     for (; from < to; from += LINE) __builtin_prefetch(step->text + from);
 }
 
@@ -533,8 +527,8 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     Relations relations = {0};
     ifc_read_units(r, file);
     ifc_read_styles(r, file, shared);
-    ifc_read_relations(r, shared, &relations);
-    find_maps(r, file, shared);
+    ifc_read_relations(work->readers, threads, shared, &relations);
+    find_maps(file, &relations.maps);
     work->relations = &relations;
     model->product_count = relations.products.count;
     model->products = ARENA_ARRAY(arena, IfcProduct, model->product_count + 1);

@@ -243,9 +243,10 @@ typedef struct Relations {
     Pairs fills;      // record of a door -> that of its opening
     Pairs inside;     // record of a product -> that of the storey or space which contains it
     Pairs parts;      // record of a part -> that of its whole
+    Pairs maps;       // record of a representation map -> that of an item that maps it
     int *record;      // [product_count]
 } Relations;
-void ifc_read_relations(Reader *r, Arena *arena, Relations *out);
+void ifc_read_relations(Reader *readers, int threads, Arena *arena, Relations *out);
 // A product's own arguments, for each product by any thread; then what relates products. The model then is complete but for meshes,
 // footprints and notes.
 void ifc_read_product(Reader *r, const Relations *relations, int product, IfcProduct *out);

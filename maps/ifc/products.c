@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "engine/core/parallel.h"
 #include "maps/ifc/ifc_file.h"
 
 static const char *const KIND_NAMES[IFC_KINDS] = {
@@ -116,49 +117,109 @@ static void push_many(Reader *r, Arena *arena, Pairs *pairs, int one, const Step
         push_pair(arena, pairs, m.record, one);
 }
 
-void ifc_read_relations(Reader *r, Arena *arena, Relations *out) {
-    const StepFile *step = &r->file->step;
+// The lists of relations, all of which are put together in the same way.
+enum { LISTS = 9 };
+static Pairs *list_of(Relations *rel, int list) {
+    Pairs *const all[LISTS] = {&rel->products, &rel->storeys, &rel->materials, &rel->types, &rel->openings,
+                               &rel->fills,    &rel->inside,  &rel->parts,     &rel->maps};
+    return all[list];
+}
+
+// A part of the file, whose lists one thread finds.
+enum { READ_AT_ONCE = 65536 };  // records
+typedef struct RelationWork {
+    Reader *readers;
+    Arena *arenas;     // [threads]
+    Relations *parts;  // [part_count] with values of products and storeys left open
+    int part_count;
+    Relations *out;
+} RelationWork;
+
+static void read_relation(Reader *r, Arena *arena, int record, Relations *out) {
     StepValue v[6];
-    int storeys = 0, products = 0, room = 0;
-    for (int i = 0; i < step->record_count; i++) {
-        int type = step->type[i];
-        switch (type) {
-        case T_RELAGGREGATES:
-        case T_RELNESTS:
-            ifc_arguments(r, i, v, 6);
-            push_many(r, arena, &out->parts, v[4].record, &v[5]);
-            break;
-        case T_RELCONTAINEDINSPATIALSTRUCTURE:
-            ifc_arguments(r, i, v, 6);
-            push_many(r, arena, &out->inside, v[5].record, &v[4]);
-            break;
-        case T_RELVOIDSELEMENT:
-            ifc_arguments(r, i, v, 6);
-            push_pair(arena, &out->openings, v[4].record, v[5].record);
-            break;
-        case T_RELFILLSELEMENT:
-            ifc_arguments(r, i, v, 6);
-            push_pair(arena, &out->fills, v[5].record, v[4].record);
-            break;
-        case T_RELDEFINESBYTYPE:
-            ifc_arguments(r, i, v, 6);
-            push_many(r, arena, &out->types, v[5].record, &v[4]);
-            break;
-        case T_RELASSOCIATESMATERIAL:
-            ifc_arguments(r, i, v, 6);
-            push_many(r, arena, &out->materials, v[5].record, &v[4]);
-            break;
-        case T_BUILDINGSTOREY:
-            push_pair(arena, &out->storeys, i, storeys++);
-            break;
-        default:
-            if (!is_product(type)) break;
-            push_pair(arena, &out->products, i, products);
-            *ARENA_PUSH(arena, out->record, products, room) = i;
-        }
+    int type = ifc_type(r, record);
+    switch (type) {
+    case T_RELAGGREGATES:
+    case T_RELNESTS:
+        ifc_arguments(r, record, v, 6);
+        push_many(r, arena, &out->parts, v[4].record, &v[5]);
+        break;
+    case T_RELCONTAINEDINSPATIALSTRUCTURE:
+        ifc_arguments(r, record, v, 6);
+        push_many(r, arena, &out->inside, v[5].record, &v[4]);
+        break;
+    case T_RELVOIDSELEMENT:
+        ifc_arguments(r, record, v, 6);
+        push_pair(arena, &out->openings, v[4].record, v[5].record);
+        break;
+    case T_RELFILLSELEMENT:
+        ifc_arguments(r, record, v, 6);
+        push_pair(arena, &out->fills, v[5].record, v[4].record);
+        break;
+    case T_RELDEFINESBYTYPE:
+        ifc_arguments(r, record, v, 6);
+        push_many(r, arena, &out->types, v[5].record, &v[4]);
+        break;
+    case T_RELASSOCIATESMATERIAL:
+        ifc_arguments(r, record, v, 6);
+        push_many(r, arena, &out->materials, v[5].record, &v[4]);
+        break;
+    case T_MAPPEDITEM:
+        ifc_arguments(r, record, v, 1);
+        if (ifc_type(r, v[0].record) == T_REPRESENTATIONMAP)
+            push_pair(arena, &out->maps, v[0].record, record);
+        break;
+    case T_BUILDINGSTOREY:
+        push_pair(arena, &out->storeys, record, 0);
+        break;
+    default:
+        if (is_product(type)) push_pair(arena, &out->products, record, 0);
+        break;
     }
-    Pairs *all[] = {&out->parts, &out->inside, &out->openings, &out->fills, &out->types, &out->materials};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) ifc_sort(all[i]);
+}
+
+static void read_some_relations(void *context, int index, int thread) {
+    RelationWork *work = context;
+    Reader *r = &work->readers[thread];
+    int first = index * READ_AT_ONCE, left = r->file->step.record_count - first;
+    for (int i = 0; i < READ_AT_ONCE && i < left; i++)
+        read_relation(r, &work->arenas[thread], first + i, &work->parts[index]);
+}
+
+// Puts the lists of one kind together, in the order of the file; then they are sorted by their keys.
+static void join_lists(void *context, int list, int thread) {
+    (void)thread;
+    RelationWork *work = context;
+    Pairs *out = list_of(work->out, list);
+    for (int i = 0; i < work->part_count; i++) {
+        const Pairs *from = list_of(&work->parts[i], list);
+        if (from->count > 0) memcpy(out->pair + out->count, from->pair, (size_t)from->count * sizeof(Pair));
+        out->count += from->count;
+    }
+    // Those of products and storeys are in order, and their values are their places.
+    if (out == &work->out->products || out == &work->out->storeys) {
+        for (int i = 0; i < out->count; i++) out->pair[i].value = i;
+    } else {
+        ifc_sort(out);
+    }
+}
+
+void ifc_read_relations(Reader *readers, int threads, Arena *arena, Relations *out) {
+    Arena scratch = {0};
+    int part_count = (readers->file->step.record_count + READ_AT_ONCE - 1) / READ_AT_ONCE;
+    RelationWork work = {readers, ARENA_ARRAY(&scratch, Arena, threads),
+                         ARENA_ARRAY(&scratch, Relations, part_count + 1), part_count, out};
+    parallel_for(threads, part_count, read_some_relations, &work);
+    for (int list = 0; list < LISTS; list++) {
+        Pairs *to = list_of(out, list);
+        for (int i = 0; i < part_count; i++) to->room += list_of(&work.parts[i], list)->count;
+        to->pair = ARENA_ARRAY(arena, Pair, to->room + 1);
+    }
+    parallel_for(threads, LISTS, join_lists, &work);
+    out->record = ARENA_ARRAY(arena, int, out->products.count + 1);
+    for (int i = 0; i < out->products.count; i++) out->record[i] = out->products.pair[i].key;
+    for (int t = 0; t < threads; t++) arena_free(&work.arenas[t]);
+    arena_free(&scratch);
 }
 
 static int value_of(const Pairs *pairs, int key) {

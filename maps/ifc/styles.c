@@ -48,10 +48,18 @@ void ifc_read_units(Reader *r, IfcFile *file) {
 
 // ---- looks
 
+// A surface style whose look was made: a few styles serve all items, as a rule.
+enum { KNOWN_STYLES = 256 };
+typedef struct KnownStyle {
+    int entry;  // record + 1; 0: none
+    int look;
+} KnownStyle;
+
 typedef struct Looks {
     IfcFile *file;
     Arena *arena;
     int *slot;  // [LOOK_TABLE] material + 1
+    KnownStyle known[KNOWN_STYLES];
 } Looks;
 
 static int keep_look(Looks *looks, IfcMaterial look) {
@@ -84,9 +92,9 @@ static int style_texture(Reader *r, Looks *looks, int record) {
 }
 
 // The colour and the picture of an IfcSurfaceStyle; -1 where it has neither. A picture without a colour lies on white.
-static int surface_style(Reader *r, Looks *looks, int record) {
+static int new_style(Reader *r, Looks *looks, int record) {
     StepValue v[3], s[2], rgb[4];
-    if (ifc_type(r, record) != T_SURFACESTYLE || !ifc_arguments(r, record, v, 3)) return -1;
+    ifc_arguments(r, record, v, 3);
     IfcMaterial look = {.colour = {1, 1, 1}, .alpha = 1};
     bool coloured = false;
     StepCursor c = ifc_list(r, &v[2]);
@@ -105,6 +113,13 @@ static int surface_style(Reader *r, Looks *looks, int record) {
     if (!coloured && !look.texture) return -1;
     look.name = step_string(&r->file->step, &v[0], &r->strings);
     return keep_look(looks, look);
+}
+
+static int surface_style(Reader *r, Looks *looks, int record) {
+    if (ifc_type(r, record) != T_SURFACESTYLE) return -1;
+    KnownStyle *known = &looks->known[record % KNOWN_STYLES];
+    if (known->entry != record + 1) *known = (KnownStyle){record + 1, new_style(r, looks, record)};
+    return known->look;
 }
 
 // The look of a list of styles: surface styles, or assignments of them.
@@ -184,7 +199,7 @@ static void picture_places(Reader *r, int record, Arena *arena, Pairs *out) {
 }
 
 void ifc_read_styles(Reader *r, IfcFile *file, Arena *arena) {
-    Looks looks = {file, arena, ARENA_ARRAY(arena, int, LOOK_TABLE)};
+    Looks looks = {.file = file, .arena = arena, .slot = ARENA_ARRAY(arena, int, LOOK_TABLE)};
     keep_look(&looks, (IfcMaterial){"", {0.8f, 0.8f, 0.8f}, 1, 0});
     for (int i = 0; i < file->step.record_count; i++) {
         int item;

@@ -47,20 +47,38 @@ static int compare_pairs(const void *a, const void *b) {
 }
 
 void ifc_sort(Pairs *pairs) {
-    if (pairs->count > 1) qsort(pairs->pair, (size_t)pairs->count, sizeof(Pair), compare_pairs);
+    // As a rule files tell their relations in the order of what they relate.
+    int in_order = 1;
+    while (in_order < pairs->count && compare_pairs(&pairs->pair[in_order - 1], &pairs->pair[in_order]) <= 0)
+        in_order++;
+    if (in_order < pairs->count) qsort(pairs->pair, (size_t)pairs->count, sizeof(Pair), compare_pairs);
 }
 
 int ifc_pair(const Pairs *pairs, int key) {
-    int low = 0, high = pairs->count;
+    const Pair *pair = pairs->pair;
+    int count = pairs->count;
+    if (count == 0 || key < pair[0].key || key > pair[count - 1].key) return -1;
+    // Keys are about evenly spaced, as a rule: the search begins near where the key would stand then, and widens.
+    int low = 0, high = count - 1, step = 4;
+    double span = (double)pair[high].key - pair[0].key;
+    int guess = span > 0 ? (int)(((double)key - pair[0].key) / span * high) : 0;
+    if (pair[guess].key < key) {
+        for (low = guess; high - low > step && pair[low + step].key < key; step *= 2) low += step;
+        if (high - low > step) high = low + step;
+    } else {
+        for (high = guess; high > step && pair[high - step].key >= key; step *= 2) high -= step;
+        if (high > step) low = high - step;
+    }
+    // The first pair of the key lies at `low` or behind it, and not behind `high`.
     while (low < high) {
         int middle = low + (high - low) / 2;
-        if (pairs->pair[middle].key < key) {
+        if (pair[middle].key < key) {
             low = middle + 1;
         } else {
             high = middle;
         }
     }
-    return low < pairs->count && pairs->pair[low].key == key ? low : -1;
+    return pair[low].key == key ? low : -1;
 }
 
 void ifc_note(Reader *r, int record, const char *format, ...) {

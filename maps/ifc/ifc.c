@@ -498,7 +498,6 @@ static bool tell_damage(const IfcFile *file, const Reader *readers, int threads,
 
 static bool finish(const IfcFile *file, Work *work, int threads, Arena *arena, Error *error) {
     IfcModel *model = work->model;
-    if (!tell_damage(file, work->readers, threads, error)) return false;
     if (ifc_too_many(&work->readers[0]))
         return error_set(error, "%s: makes more than %lld polygons (the limit for %zu bytes)",
                          file->step.path, file->most_polygons, file->step.size);
@@ -521,7 +520,9 @@ static bool finish(const IfcFile *file, Work *work, int threads, Arena *arena, E
     return true;
 }
 
-static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena *shared, Error *error) {
+// `index` holds the places of entities.
+static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena *shared, Arena *index,
+                     Error *error) {
     Reader *r = &work->readers[0];
     IfcModel *model = work->model;
     Relations relations = {0};
@@ -544,7 +545,10 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     work->prisms = ARENA_ARRAY(shared, Arena, threads);
     for (int t = 0; t < threads; t++) work->prisms[t].dense = true;
     parallel_for(threads, model->product_count, read_shape, work);
-    bool good = finish(file, work, threads, arena, error);
+    bool good = tell_damage(file, work->readers, threads, error);
+    // No entity is asked for any more: the memory serves what is put together now.
+    arena_free(index);
+    good = good && finish(file, work, threads, arena, error);
     for (int t = 0; t < threads; t++) arena_free(&work->prisms[t]);
     for (int t = 0; t < threads; t++) arena_free(&maps.arenas[t]);
     return good;
@@ -554,14 +558,14 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
               Error *error) {
     *out = (IfcModel){0};
     int threads = parallel_threads(options->threads);
-    Arena shared = {.dense = true};
+    Arena shared = {.dense = true}, index = {.dense = true};
     long long polygons = 0;
     IfcFile file = {.options = *options, .polygons = &polygons};
     StepTypes types = {TYPE_NAMES, T_COUNT};
     // A small file may make 300,000 faces by mapping, a large one as many as its text may tell.
     file.most_polygons = 300000 + (long long)content.size / 8;
     if (file.most_polygons > IFC_MOST_FACES) file.most_polygons = IFC_MOST_FACES;
-    bool good = step_read(path, content, &types, threads, &shared, &file.step, error);
+    bool good = step_read(path, content, &types, threads, &index, &file.step, error);
     if (good) {
         Work work = {.file = &file, .model = out, .readers = ARENA_ARRAY(&shared, Reader, threads)};
         for (int t = 0; t < threads; t++) {
@@ -572,12 +576,13 @@ bool ifc_read(const char *path, Bytes content, const IfcOptions *options, Arena 
                           .strings = {.arena = &r->kept},
                           .kept = {.dense = true}};
         }
-        good = read_all(&file, &work, threads, arena, &shared, error);
+        good = read_all(&file, &work, threads, arena, &shared, &index, error);
         for (int t = 0; t < threads; t++) {
             arena_free(&work.readers[t].scratch);
             arena_join(arena, &work.readers[t].kept);
         }
     }
+    arena_free(&index);
     arena_free(&shared);
     return good;
 }

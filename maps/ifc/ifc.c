@@ -44,6 +44,7 @@ typedef struct Work {
     Reader *readers;
     Arena *prisms;  // [threads] for footprints until they are joined
     Found *found;   // [product_count]
+    int at_once;    // products that a thread takes: neighbours in the file have much in common
 } Work;
 
 // ---- representations
@@ -342,15 +343,17 @@ static void expect_next(const Work *work, int product) {
     for (; from < to; from += LINE) __builtin_prefetch(step->text + from);
 }
 
-static void read_one(void *context, int index, int thread) {
+static void read_products(void *context, int index, int thread) {
     Work *work = context;
-    expect_next(work, index);
-    work->readers[thread].product = index;
-    ifc_read_product(&work->readers[thread], work->relations, index, &work->model->products[index]);
+    int end = (index + 1) * work->at_once;
+    for (int i = index * work->at_once; i < end && i < work->model->product_count; i++) {
+        expect_next(work, i);
+        work->readers[thread].product = i;
+        ifc_read_product(&work->readers[thread], work->relations, i, &work->model->products[i]);
+    }
 }
 
-static void read_shape(void *context, int index, int thread) {
-    Work *work = context;
+static void read_shape(Work *work, int index, int thread) {
     Reader *r = &work->readers[thread];
     const Relations *rel = work->relations;
     IfcProduct *p = &work->model->products[index];
@@ -385,9 +388,16 @@ static void read_shape(void *context, int index, int thread) {
     arena_reset(&r->scratch);
 }
 
+static void read_shapes(void *context, int index, int thread) {
+    Work *work = context;
+    int end = (index + 1) * work->at_once;
+    for (int i = index * work->at_once; i < end && i < work->model->product_count; i++)
+        read_shape(work, i, thread);
+}
+
 // ---- the whole
 
-enum { JOINED_AT_ONCE = 4096 };  // products
+enum { JOINED_AT_ONCE = 4096, MOST_AT_ONCE = 64 };  // products
 
 static void join_some(void *context, int index, int thread) {
     (void)thread;
@@ -533,7 +543,11 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     work->relations = &relations;
     model->product_count = relations.products.count;
     model->products = ARENA_ARRAY(arena, IfcProduct, model->product_count + 1);
-    parallel_for(threads, model->product_count, read_one, work);
+    // A hundred turns for each thread, so that all are done at about the same time.
+    work->at_once = model->product_count / threads / 100;
+    work->at_once = work->at_once < 1 ? 1 : work->at_once > MOST_AT_ONCE ? MOST_AT_ONCE : work->at_once;
+    int turns = (model->product_count + work->at_once - 1) / work->at_once;
+    parallel_for(threads, turns, read_products, work);
     for (int t = 0; t < threads; t++) work->readers[t].product = -1;
     ifc_relate_products(r, arena, &relations, model);
     arena_reset(&r->scratch);
@@ -544,7 +558,7 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     file->map_bodies = maps.bodies;
     work->prisms = ARENA_ARRAY(shared, Arena, threads);
     for (int t = 0; t < threads; t++) work->prisms[t].dense = true;
-    parallel_for(threads, model->product_count, read_shape, work);
+    parallel_for(threads, turns, read_shapes, work);
     bool good = tell_damage(file, work->readers, threads, error);
     // No entity is asked for any more: the memory serves what is put together now.
     arena_free(index);

@@ -140,7 +140,7 @@ static void add_fixture(IfcPlan *p, int product, int object) {
     Vec3 at = vec3_lerp(box.min, box.max, 0.5);
     at.z = fmax(box.min.z + LAMP_RADIUS, at.z - 0.2);
     const float share = (float)(LAMP_WATTS / 3);
-    Light light = {.name = ifc_name(p, product),
+    Light light = {.name = arena_string(p->arena, ifc_name(p, product)),
                    .position = at,
                    .radius = LAMP_RADIUS,
                    .flux = {share, share, share},

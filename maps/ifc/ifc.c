@@ -34,8 +34,15 @@ typedef struct Found {
     IfcRing *rings;
     Vec2 *points;
     int footprint_count, ring_count, point_count;
-    int first_ring, first_point;  // in the model
+    int first_footprint, first_ring, first_point;  // in the model
 } Found;
+
+// The sums of neighbouring products.
+enum { JOINED_AT_ONCE = 4096 };
+typedef struct Sum {
+    Box box;  // of all but sites
+    long long polygons;
+} Sum;
 
 typedef struct Work {
     IfcFile *file;
@@ -44,6 +51,7 @@ typedef struct Work {
     Reader *readers;
     Arena *prisms;  // [threads] for footprints until they are joined
     Found *found;   // [product_count]
+    Sum *sums;      // of each JOINED_AT_ONCE products
     int at_once;    // products that a thread takes: neighbours in the file have much in common
 } Work;
 
@@ -397,17 +405,21 @@ static void read_shapes(void *context, int index, int thread) {
 
 // ---- the whole
 
-enum { JOINED_AT_ONCE = 4096, MOST_AT_ONCE = 64 };  // products
+enum { MOST_AT_ONCE = 64 };  // products
 
 static void join_some(void *context, int index, int thread) {
     (void)thread;
     const Work *work = context;
     IfcModel *model = work->model;
+    Sum sum = {.box = box_empty()};
     int end = (index + 1) * JOINED_AT_ONCE;
     for (int i = index * JOINED_AT_ONCE; i < end && i < model->product_count; i++) {
         const Found *f = &work->found[i];
+        IfcProduct *p = &model->products[i];
+        p->first_footprint = f->first_footprint;
+        p->footprint_count = f->footprint_count;
         for (int k = 0; k < f->footprint_count; k++) {
-            IfcFootprint *to = &model->footprints[model->products[i].first_footprint + k];
+            IfcFootprint *to = &model->footprints[f->first_footprint + k];
             *to = f->footprints[k];
             to->first_ring += f->first_ring;
         }
@@ -415,14 +427,17 @@ static void join_some(void *context, int index, int thread) {
             model->rings[f->first_ring + k] =
                 (IfcRing){f->rings[k].first_point + f->first_point, f->rings[k].point_count};
         for (int k = 0; k < f->point_count; k++) model->points[f->first_point + k] = f->points[k];
+        if (p->kind != IFC_SITE && !box_is_empty(p->box)) sum.box = box_union(sum.box, p->box);
+        sum.polygons += p->mesh.polygon_count;
     }
+    work->sums[index] = sum;
 }
 
-static void join_footprints(Arena *arena, Work *work, int threads, IfcModel *model) {
+// Puts together what stands in lists of the model, and tells what all products come to.
+static Sum join_footprints(Arena *arena, Work *work, int threads, IfcModel *model) {
     for (int i = 0; i < model->product_count; i++) {
         Found *f = &work->found[i];
-        model->products[i].first_footprint = model->footprint_count;
-        model->products[i].footprint_count = f->footprint_count;
+        f->first_footprint = model->footprint_count;
         f->first_ring = model->ring_count;
         f->first_point = model->point_count;
         model->footprint_count += f->footprint_count;
@@ -432,7 +447,17 @@ static void join_footprints(Arena *arena, Work *work, int threads, IfcModel *mod
     model->footprints = ARENA_ARRAY(arena, IfcFootprint, model->footprint_count + 1);
     model->rings = ARENA_ARRAY(arena, IfcRing, model->ring_count + 1);
     model->points = ARENA_ARRAY(arena, Vec2, model->point_count + 1);
-    parallel_for(threads, (model->product_count + JOINED_AT_ONCE - 1) / JOINED_AT_ONCE, join_some, work);
+    int count = (model->product_count + JOINED_AT_ONCE - 1) / JOINED_AT_ONCE;
+    Arena scratch = {0};
+    work->sums = ARENA_ARRAY(&scratch, Sum, count + 1);
+    parallel_for(threads, count, join_some, work);
+    Sum all = {.box = box_empty()};
+    for (int i = 0; i < count; i++) {
+        all.box = box_union(all.box, work->sums[i].box);
+        all.polygons += work->sums[i].polygons;
+    }
+    arena_free(&scratch);
+    return all;
 }
 
 static int compare_notes(const void *a, const void *b) {
@@ -464,12 +489,8 @@ static void join_notes(Arena *arena, const Work *work, int threads, IfcModel *mo
             (IfcNote){0, -1, arena_format(arena, "%d more parts of the file cannot be used", count - shown)};
 }
 
-// Moves a model that lies far from its origin, so that sums of coordinates keep their digits.
-static void move_near(IfcModel *model) {
-    Box all = box_empty();
-    for (int i = 0; i < model->product_count; i++)
-        if (model->products[i].kind != IFC_SITE && !box_is_empty(model->products[i].box))
-            all = box_union(all, model->products[i].box);
+// Moves a model that lies far from its origin, so that sums of coordinates keep their digits; `all` is its box.
+static void move_near(IfcModel *model, Box all) {
     if (box_is_empty(all)) return;
     Vec3 middle = vec3_scale(vec3_add(all.min, all.max), 0.5);
     if (fabs(middle.x) < FAR_AWAY && fabs(middle.y) < FAR_AWAY && fabs(middle.z) < FAR_AWAY) return;
@@ -522,11 +543,10 @@ static bool finish(const IfcFile *file, Work *work, int threads, Arena *arena, E
     if (file->texture_count > 0)
         model->textures = memcpy(ARENA_ARRAY(arena, IfcTexture, file->texture_count), file->textures,
                                  (size_t)file->texture_count * sizeof(IfcTexture));
-    join_footprints(arena, work, threads, model);
+    Sum all = join_footprints(arena, work, threads, model);
     join_notes(arena, work, threads, model);
-    move_near(model);
-    for (int i = 0; i < model->product_count; i++)
-        model->polygon_count += model->products[i].mesh.polygon_count;
+    move_near(model, all.box);
+    model->polygon_count = all.polygons;
     return true;
 }
 
@@ -549,7 +569,7 @@ static bool read_all(IfcFile *file, Work *work, int threads, Arena *arena, Arena
     int turns = (model->product_count + work->at_once - 1) / work->at_once;
     parallel_for(threads, turns, read_products, work);
     for (int t = 0; t < threads; t++) work->readers[t].product = -1;
-    ifc_relate_products(r, arena, &relations, model);
+    ifc_relate_products(r, threads, arena, &relations, model);
     arena_reset(&r->scratch);
     work->found = ARENA_ARRAY(shared, Found, model->product_count + 1);
     MapWork maps = {work, ARENA_ARRAY(shared, Body, file->maps.count + 1),

@@ -250,6 +250,6 @@ void ifc_read_relations(Reader *readers, int threads, Arena *arena, Relations *o
 // A product's own arguments, for each product by any thread; then what relates products. The model then is complete but for meshes,
 // footprints and notes.
 void ifc_read_product(Reader *r, const Relations *relations, int product, IfcProduct *out);
-void ifc_relate_products(Reader *r, Arena *arena, Relations *relations, IfcModel *model);
+void ifc_relate_products(Reader *r, int threads, Arena *arena, Relations *relations, IfcModel *model);
 
 #endif

@@ -345,7 +345,13 @@ static int storey_of(const Relations *rel, IfcModel *model, int product, int dep
     return p->storey;
 }
 
-static void relate_product(const Relations *rel, IfcModel *model, int product) {
+enum { RELATED_AT_ONCE = 4096 };  // products
+typedef struct Relating {
+    const Relations *rel;
+    IfcModel *model;
+} Relating;
+
+static void relate_product(const Relations *rel, const IfcModel *model, int product) {
     IfcProduct *p = &model->products[product];
     int record = rel->record[product], inside = value_of(&rel->inside, record),
         whole = value_of(&rel->parts, record);
@@ -358,6 +364,13 @@ static void relate_product(const Relations *rel, IfcModel *model, int product) {
     p->whole = value_of(&rel->products, whole);
     int fills = value_of(&rel->fills, record);
     if (fills >= 0) p->host = value_of(&rel->products, fills);
+}
+
+static void relate_some(void *context, int index, int thread) {
+    (void)thread;
+    const Relating *work = context;
+    int first = index * RELATED_AT_ONCE, left = work->model->product_count - first;
+    for (int i = 0; i < RELATED_AT_ONCE && i < left; i++) relate_product(work->rel, work->model, first + i);
 }
 
 static bool is_boundary(int type) {
@@ -379,7 +392,7 @@ static void read_boundaries(Reader *r, Arena *arena, const Relations *rel, IfcMo
     }
 }
 
-void ifc_relate_products(Reader *r, Arena *arena, Relations *rel, IfcModel *model) {
+void ifc_relate_products(Reader *r, int threads, Arena *arena, Relations *rel, IfcModel *model) {
     const StepFile *step = &r->file->step;
     read_storeys(r, arena, rel, model);
     for (int i = 0; i < rel->openings.count; i++) {
@@ -387,7 +400,8 @@ void ifc_relate_products(Reader *r, Arena *arena, Relations *rel, IfcModel *mode
         if (opening >= 0 && model->products[opening].kind == IFC_OPENING)
             model->products[opening].host = value_of(&rel->products, rel->openings.pair[i].key);
     }
-    for (int i = 0; i < model->product_count; i++) relate_product(rel, model, i);
+    Relating work = {rel, model};
+    parallel_for(threads, (model->product_count + RELATED_AT_ONCE - 1) / RELATED_AT_ONCE, relate_some, &work);
     for (int i = 0; i < model->product_count; i++) storey_of(rel, model, i, 0);
     read_boundaries(r, arena, rel, model);
     read_place(r, model);

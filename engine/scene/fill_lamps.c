@@ -21,6 +21,10 @@ static const double SPACING = 5;
 static const double LONGEST_PIECE = 2.5, NARROW = 2;
 // A second lamp hangs only in cells of at least this floor area, m^2: niches get light from beside.
 static const double NICHE = 2;
+// By night a room has light from its neighbours where openings to those with light have this share of its floor area together: a doorway is
+// enough for a closet, and leaves the end of a corridor black. An opening to a room with less flux per floor area than usual
+// counts for less.
+static const double LIT_BESIDE = 0.5;
 // Rooms of less floor area, m^2, are crevices between walls, which nobody enters.
 static const double CREVICE = 0.1;
 // A place is good where the lamp hangs in the upper quarter of the cell; lower ones hang below shelves or inside furniture.
@@ -38,6 +42,7 @@ typedef struct Room {
     int id;
     double area, flux;  // m^2; W, the sum of three channels
     bool bright;        // has a source of light of its own
+    int first_cell;     // of its cells in Filling.cells; they end where those of the next room begin
 } Room;
 
 typedef struct Filling {
@@ -45,9 +50,10 @@ typedef struct Filling {
     Building *b;
     Arena *arena;
     Arena scratch;
-    int *room;  // [cell_count] -1: not part of a room
-    Room *rooms;
+    int *room;    // [cell_count] -1: not part of a room
+    Room *rooms;  // [room_count + 1]
     int room_count;
+    int *cells;  // room by room
     Box *boxes;  // [polygon_count] of the graph's polygons
     int *above;  // [above_count] those over the floor of the cell at hand
     int above_count;
@@ -95,10 +101,17 @@ static void find_rooms(Filling *f) {
         if (regions && vis_region(g, c)->kind == REGION_ROOM) f->room[c] = g->cells[c].region;
         if (!regions && f->room[c] < 0 && !is_outdoors(f, c)) flood(f, c, f->room_count++);
     }
-    f->rooms = ARENA_ARRAY(&f->scratch, Room, f->room_count + 1);
+    f->rooms = ARENA_ARRAY(&f->scratch, Room, f->room_count + 2);
+    f->cells = ARENA_ARRAY(&f->scratch, int, g->cell_count + 1);
     for (int r = 0; r < f->room_count; r++) f->rooms[r].id = r;
+    for (int c = 0; c < g->cell_count; c++) {
+        if (f->room[c] < 0) continue;
+        f->rooms[f->room[c]].area += cell_area(f, &g->cells[c]);
+        f->rooms[f->room[c] + 2].first_cell++;
+    }
+    for (int r = 0; r < f->room_count; r++) f->rooms[r + 2].first_cell += f->rooms[r + 1].first_cell;
     for (int c = 0; c < g->cell_count; c++)
-        if (f->room[c] >= 0) f->rooms[f->room[c]].area += cell_area(f, &g->cells[c]);
+        if (f->room[c] >= 0) f->cells[f->rooms[f->room[c] + 1].first_cell++] = c;
 }
 
 // ---- light that is there
@@ -132,25 +145,37 @@ static void find_emitters(Filling *f) {
 
 // The light and the outdoors that a room reaches through ways without doors. A way through openings and shafts ends at the next room.
 typedef struct Reach {
-    bool outdoors, bright;
+    bool outdoors, lit;  // `lit`: some room with light
+    double bright;       // area of the ways' last portals into rooms with light, m^2, by the light of these
 } Reach;
 
-static Reach light_around(Filling *f, int room) {
+// `usual`: flux per floor area, W/m^2 a channel.
+static Reach light_around(Filling *f, int room, double usual) {
     const CellGraph *g = f->graph;
-    Reach out = {false, false};
+    Reach out = {false, false, 0};
     int count = 0;
-    for (int c = 0; c < g->cell_count; c++)
-        if (f->room[c] == room) f->met[c] = room, f->queue[count++] = c;
+    for (int i = f->rooms[room].first_cell; i < f->rooms[room + 1].first_cell; i++) {
+        f->met[f->cells[i]] = room;
+        f->queue[count++] = f->cells[i];
+    }
     for (int i = 0; i < count; i++) {
         const Cell *c = &g->cells[f->queue[i]];
         for (int w = c->first_way; w < c->first_way + c->way_count; w++) {
             int to = g->ways[w].cell;
-            if (g->portals[g->ways[w].portal].door >= 0 || f->met[to] == room) continue;
+            const Portal *portal = &g->portals[g->ways[w].portal];
+            if (portal->door >= 0 || f->met[to] == room) continue;
+            if (f->room[to] >= 0) {
+                const Room *next = &f->rooms[f->room[to]];
+                if (next->bright)
+                    out.bright +=
+                        fmin(next->flux / (3 * usual * next->area), 1) *
+                        polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
+                out.lit |= next->bright;
+                continue;
+            }
             f->met[to] = room;
             if (is_outdoors(f, to))
                 out.outdoors = true;
-            else if (f->room[to] >= 0)
-                out.bright |= f->rooms[f->room[to]].bright;
             else
                 f->queue[count++] = to;
         }
@@ -381,7 +406,7 @@ static int fill_rooms(Filling *f, bool day) {
     int rooms = 0;
     Room *order = ARENA_ARRAY(&f->scratch, Room, f->room_count + 1);
     for (int r = 0; day && r < f->room_count; r++)
-        if (f->rooms[r].area > 0 && light_around(f, r).outdoors) f->rooms[r].bright = true;
+        if (f->rooms[r].area > 0 && light_around(f, r, USUAL_FLUX).outdoors) f->rooms[r].bright = true;
     for (int r = 0; r < f->room_count; r++) order[r] = f->rooms[r];
     qsort(order, (size_t)f->room_count, sizeof *order, compare_rooms);
     double per_area = flux_per_area(f);
@@ -389,10 +414,13 @@ static int fill_rooms(Filling *f, bool day) {
     for (int i = 0; i < f->room_count; i++) {
         Place places[MOST_LAMPS];
         Room *room = &f->rooms[order[i].id];
-        if (room->area < CREVICE || room->bright || light_around(f, room->id).bright) continue;
+        if (room->area < CREVICE || room->bright) continue;
+        Reach beside = light_around(f, room->id, per_area);
+        if (beside.lit && (day || beside.bright >= LIT_BESIDE * room->area)) continue;
         int count = find_places(f, room->id, places);
         for (int k = 0; k < count; k++) add_lamp(f, &places[k], per_area * room->area / count);
         room->bright = count > 0;
+        if (count > 0) room->flux = 3 * per_area * room->area;
         f->b->fill_lamps += count;
         rooms += count > 0;
     }

@@ -16,6 +16,7 @@ static const char ROOMS[] =
     "room third 0,5 12,5 12,7 0,7 floor m ceiling m walls m wall 0.1\n";
 static const char DOOR[] = "door d 4.05,1.5 angle 90 width 0.9 height 2 hinge left swing 85 material m\n";
 static const char PASSAGE[] = "passage d 4.05,1.5 angle 90 width 0.9 height 2\n";
+static const char WIDE[] = "passage d 4.05,1.5 angle 90 width 2.5 height 2\n";
 static const char WINDOW[] = "window w 5.6,-0.05 width 1 height 1 sill 1\n";
 static const char LAMP[] = "inlay glow ceiling 1,1 2,1 2,2 1,2\n";
 // A cupboard up to the ceiling fills the middle of the second room.
@@ -59,8 +60,8 @@ static int lamps_in(const LoadedScene *scene, const char *name, double *watts) {
 }
 
 // Proves which rooms get lamps: those without a lamp behind a closed door, but not those with a lamp, nor their neighbours through a
-// passage, nor, by day, those with a window. A lamp in the first room sets the flux: 10 W in 12 m^2. The third room is a corridor
-// with more than one lamp. Switched off, there is none.
+// wide passage, nor, by day, those with a window and their neighbours. By night a passage of 1.8 m^2 does not light 9 m^2. A
+// lamp in the first room sets the flux: 10 W in 12 m^2. The third room is a corridor with more than one lamp. Switched off, there is none.
 Test(fill_lamps, dark_rooms_get_lamps) {
     static const struct {
         const char *lines[3];
@@ -69,10 +70,10 @@ Test(fill_lamps, dark_rooms_get_lamps) {
         int fill;
         int first, second, rooms;
     } CASES[] = {
-        {{DOOR, LAMP}, 2, 0, FILL_LAMPS_ON, 0, 1, 2},      {{PASSAGE, LAMP}, 2, 0, FILL_LAMPS_ON, 0, 0, 1},
-        {{DOOR, WINDOW}, 2, 0, FILL_LAMPS_ON, 1, 1, 3},    {{DOOR, WINDOW}, 2, 5, FILL_LAMPS_ON, 1, 0, 2},
-        {{PASSAGE, WINDOW}, 2, 5, FILL_LAMPS_ON, 0, 0, 1}, {{PASSAGE}, 1, 0, FILL_LAMPS_ON, 1, 0, 2},
-        {{DOOR, LAMP}, 2, 0, FILL_LAMPS_OFF, 0, 0, 0}};
+        {{DOOR, LAMP}, 2, 0, FILL_LAMPS_ON, 0, 1, 2},   {{PASSAGE, LAMP}, 2, 0, FILL_LAMPS_ON, 0, 1, 2},
+        {{WIDE, LAMP}, 2, 0, FILL_LAMPS_ON, 0, 0, 1},   {{DOOR, WINDOW}, 2, 0, FILL_LAMPS_ON, 1, 1, 3},
+        {{DOOR, WINDOW}, 2, 5, FILL_LAMPS_ON, 1, 0, 2}, {{PASSAGE, WINDOW}, 2, 5, FILL_LAMPS_ON, 0, 0, 1},
+        {{PASSAGE}, 1, 0, FILL_LAMPS_ON, 1, 1, 3},      {{DOOR, LAMP}, 2, 0, FILL_LAMPS_OFF, 0, 0, 0}};
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         Arena arena = {0};
         LoadedScene scene;

@@ -92,7 +92,7 @@ static void fetch_part(void *context, int index, int thread) {
 
 // Reads the first bytes of a file, which has so many. Several threads read large files: most of the time goes by until the system has
 // found fresh pages for the bytes.
-static bool read_all(const char *path, int fd, void *out, size_t size, int threads, Error *error) {
+static bool read_first(const char *path, int fd, void *out, size_t size, int threads, Error *error) {
     Fetch f = {.fd = fd, .into = out, .size = size};
     parallel_for(size < LARGE ? 1 : parallel_threads(threads), (int)((size + PART - 1) / PART), fetch_part,
                  &f);
@@ -110,7 +110,7 @@ static bool read_start(const char *path, size_t limit, size_t most, int threads,
     memory_note_read(out->size);
     out->data = arena_alloc(arena, out->size + 1, 1);
     memory_expect_full(out->data, out->size);
-    bool good = read_all(path, fd, out->data, out->size, threads, error);
+    bool good = read_first(path, fd, out->data, out->size, threads, error);
     close(fd);
     return good;
 }
@@ -646,7 +646,7 @@ bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building,
     bool good = true;
     if (whole < kind->header)
         good = error_set(error, "%s: has %zu bytes, less than a %s header", path, whole, kind->name);
-    good = good && read_all(path, fd, header, kind->header, 1, error);
+    good = good && read_first(path, fd, header, kind->header, 1, error);
     if (good) {
         memcpy(&head, header, sizeof head);
         good = check_head(path, kind, &head, building, error);

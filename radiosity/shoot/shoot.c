@@ -521,7 +521,7 @@ static int strongest_in_room(const Shooter *s, int room) {
 }
 
 // Sums are of all parts. `most`: the power of the strongest patch of each room, W.
-static void measure_rooms(Shooter *s, const Mesh *mesh, double emitted, double *most) {
+static void measure_rooms_together(Shooter *s, const Mesh *mesh, double emitted, double *most) {
     TeamMember *member = borders_member(s->options->borders);
     RoomShares *rooms = s->rooms;
     room_shares_measure(rooms, mesh, s->solution, emitted);
@@ -562,7 +562,7 @@ static bool shoot_rooms_in_parts(Shooter *s, const Mesh *mesh, double emitted, c
     bool stopped = false, over = false;
     s->rooms = &rooms;
     for (;;) {
-        measure_rooms(s, mesh, emitted, most);
+        measure_rooms_together(s, mesh, emitted, most);
         if (over || room_shares_first(&rooms, s->options->residual) < 0) break;
         stopped = team_any(member, !report_residual(s, progress));
         show_parts(s, member, stopped);

@@ -2,7 +2,7 @@
 #include "radiosity/shoot/room_shares.h"
 
 // A room with less than this share of all power is dark: nobody sees it, and it may be the rounding of what was given and taken back.
-static const double DARK = 1e-9;
+static const double DARK = 1e-7;
 
 static int room_of(const CellGraph *graph, int cell) {
     if (cell < 0 || vis_region(graph, cell)->kind == REGION_OUTDOORS) return -1;

@@ -116,6 +116,8 @@ bool each_lamp_find(const EachLamp *each, const Progress *progress, Arena *arena
                 .options = *each->options};
     double residual = each->options->residual;
     f.options.residual = fmax(OF_RESIDUAL * residual, fmin(AT_MOST * residual, ENOUGH));
+    // Most rooms have next to nothing of one lamp.
+    f.options.each_room = false;
     f.options.show = NULL;
     bool good = find_sources(&f, count, arena);
     if (!good) return false;

@@ -122,10 +122,13 @@ Test(trees, of_very_many_cells, .timeout = 120) {
     cr_assert(cell_rows_equal(&back.seen, &first.seen));
     cr_assert_eq(memcmp(back.nodes, first.nodes, sizeof *first.nodes * (size_t)first.node_count), 0);
     Bytes file = support_read(&arena, path);
-    size_t places = 40 + 4 * sizeof(int32_t) + ((size_t)first.cell_count + 1) * sizeof(int32_t) +
-                    (size_t)first.cell_count;
+    // A forged file, whose checksum is right.
+    size_t header = sizeof(DerivedHead) + 4 * sizeof(int32_t),
+           places = header + ((size_t)first.cell_count + 1) * sizeof(int32_t) + (size_t)first.cell_count;
     int32_t wrong = 1 << 20;
     memcpy(file.data + places, &wrong, sizeof wrong);
+    uint64_t checksum = file_hash(file.data + header, file.size - header, 0);
+    memcpy(file.data + offsetof(DerivedHead, body), &checksum, sizeof checksum);
     cr_assert(file_write(path, file.data, file.size, &error));
     cr_assert_not(vis_load(path, &g.graph, &arena, &back, &error));
     cr_assert(strstr(error.text, "its visible sets are broken"), "%s", error.text);

@@ -229,8 +229,10 @@ void cell_rows_put(const CellRows *rows, DerivedSink *sink) {
     }
 }
 
-// Takes a row into `list` [row_words], without words of no bits. `last`: the bits that the last word of a row may have.
-static bool take_row(DerivedReader *reader, int row_words, uint64_t last, CellWord *list, int *words) {
+// Takes a row into `list` [row_words], without words of no bits. `last`: the bits that the last word of a row may have; `run` [row_words]:
+// room for the words of a run.
+static bool take_row(DerivedReader *reader, int row_words, uint64_t last, uint64_t *run, CellWord *list,
+                     int *words) {
     int32_t count, head[2];
     *words = 0;
     if (!derived_take(reader, &count, sizeof count) || count < 0) return false;
@@ -239,11 +241,11 @@ static bool take_row(DerivedReader *reader, int row_words, uint64_t last, CellWo
         int32_t length = head[1] < 0 ? -(head[1] + 1) + 1 : head[1];
         if (head[0] < least || length < 1 || length > row_words - head[0]) return false;
         least = head[0] + length;
-        for (int32_t k = head[0]; k < least; k++) {
-            uint64_t bits = ONES;
-            if (head[1] > 0 && !derived_take(reader, &bits, sizeof bits)) return false;
-            if (k == row_words - 1) bits &= last;
-            if (bits) list[(*words)++] = (CellWord){k, bits};
+        if (head[1] > 0 && !derived_take(reader, run, (size_t)length * sizeof *run)) return false;
+        for (int32_t k = 0; k < length; k++) {
+            uint64_t bits = head[1] > 0 ? run[k] : ONES;
+            if (head[0] + k == row_words - 1) bits &= last;
+            if (bits) list[(*words)++] = (CellWord){head[0] + k, bits};
         }
     }
     return true;
@@ -254,11 +256,13 @@ bool cell_rows_take(DerivedReader *reader, int cell_count, Arena *arena, CellRow
     // Bits beyond the last cell, which no row has, are dropped.
     uint64_t last = cell_count % 64 ? ((uint64_t)1 << (cell_count % 64)) - 1 : ONES;
     CellWord *list = memory_new((size_t)out->words * sizeof *list + 1);
+    uint64_t *run = memory_new((size_t)out->words * sizeof *run + 1);
     bool good = true;
     for (int c = 0, words; c < cell_count && good; c++) {
-        good = take_row(reader, out->words, last, list, &words);
+        good = take_row(reader, out->words, last, run, list, &words);
         if (good) store_row(out, c, list, words, arena);
     }
+    memory_free(run);
     memory_free(list);
     return good;
 }

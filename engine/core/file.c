@@ -71,17 +71,16 @@ enum { SHRANK = -1 };  // beside the system's numbers of errors
 // The reading of a file that is open.
 typedef struct Fetch {
     int fd;
-    unsigned char *into;
-    size_t size;
+    Bytes into;
     atomic_int fault;  // 0: none so far
 } Fetch;
 
 static void fetch_part(void *context, int index, int thread) {
     (void)thread;
     Fetch *f = context;
-    size_t at = (size_t)index * PART, end = at + PART < f->size ? at + PART : f->size;
+    size_t at = (size_t)index * PART, end = at + PART < f->into.size ? at + PART : f->into.size;
     while (at < end) {
-        ssize_t got = pread(f->fd, f->into + at, end - at, (off_t)at);
+        ssize_t got = pread(f->fd, f->into.data + at, end - at, (off_t)at);
         if (got <= 0) {
             atomic_store(&f->fault, got < 0 ? errno : SHRANK);
             return;
@@ -92,10 +91,10 @@ static void fetch_part(void *context, int index, int thread) {
 
 // Reads the first bytes of a file, which has so many. Several threads read large files: most of the time goes by until the system has
 // found fresh pages for the bytes.
-static bool read_first(const char *path, int fd, void *out, size_t size, int threads, Error *error) {
-    Fetch f = {.fd = fd, .into = out, .size = size};
-    parallel_for(size < LARGE ? 1 : parallel_threads(threads), (int)((size + PART - 1) / PART), fetch_part,
-                 &f);
+static bool read_first(const char *path, int fd, const Bytes *out, int threads, Error *error) {
+    Fetch f = {.fd = fd, .into = *out};
+    parallel_for(out->size < LARGE ? 1 : parallel_threads(threads), (int)((out->size + PART - 1) / PART),
+                 fetch_part, &f);
     int fault = atomic_load(&f.fault);
     if (fault == 0) return true;
     return error_set(error, "%s: cannot be read: %s", path, fault == SHRANK ? "it shrank" : strerror(fault));
@@ -110,7 +109,7 @@ static bool read_start(const char *path, size_t limit, size_t most, int threads,
     memory_note_read(out->size);
     out->data = arena_alloc(arena, out->size + 1, 1);
     memory_expect_full(out->data, out->size);
-    bool good = read_first(path, fd, out->data, out->size, threads, error);
+    bool good = read_first(path, fd, out, threads, error);
     close(fd);
     return good;
 }
@@ -633,31 +632,38 @@ bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, s
     return true;
 }
 
-static bool go_to_body(DerivedReader *reader) {
-    return fseeko(reader->file, (off_t)reader->header, SEEK_SET) == 0;
+// Opens a file for reading from its beginning; it counts as read.
+static FILE *open_derived(const char *path, const DerivedKind *kind, size_t *whole, Error *error) {
+    int fd = open_within(path, kind->largest, whole, error);
+    if (fd < 0) return NULL;
+    memory_note_read(*whole);
+    FILE *file = fdopen(fd, "r");
+    if (file) return file;
+    error_set(error, "%s: cannot be opened: %s", path, strerror(errno));
+    close(fd);
+    return NULL;
 }
 
 bool derived_begin(const char *path, const DerivedKind *kind, uint64_t building, void *header,
                    DerivedReader *out, Error *error) {
     size_t whole;
-    int fd = open_within(path, kind->largest, &whole, error);
-    if (fd < 0) return false;
+    FILE *file = open_derived(path, kind, &whole, error);
+    if (!file) return false;
     DerivedHead head;
     bool good = true;
     if (whole < kind->header)
         good = error_set(error, "%s: has %zu bytes, less than a %s header", path, whole, kind->name);
-    good = good && read_first(path, fd, header, kind->header, 1, error);
+    else if (fread(header, 1, kind->header, file) != kind->header)
+        good = error_set(error, "%s: cannot be read", path);
     if (good) {
         memcpy(&head, header, sizeof head);
         good = check_head(path, kind, &head, building, error);
     }
-    *out = (DerivedReader){.path = path,
-                           .file = good ? fdopen(fd, "r") : NULL,
-                           .header = kind->header,
-                           .left = whole - kind->header};
-    if (!out->file) close(fd);
-    return good && ((out->file && go_to_body(out)) ||
-                    error_set(error, "%s: cannot be opened: %s", path, strerror(errno)));
+    if (good)
+        *out = (DerivedReader){path, file, kind->header, whole - kind->header};
+    else
+        fclose(file);
+    return good;
 }
 
 bool derived_sound(DerivedReader *reader, const void *header, Error *error) {
@@ -674,7 +680,8 @@ bool derived_sound(DerivedReader *reader, const void *header, Error *error) {
     memcpy(&head, header, sizeof head);
     if (XXH3_64bits_digest(&state) != head.body)
         return error_set(error, "%s: is damaged: its checksum is wrong", reader->path);
-    return go_to_body(reader) || error_set(error, "%s: cannot be read: %s", reader->path, strerror(errno));
+    return fseeko(reader->file, (off_t)reader->header, SEEK_SET) == 0 ||
+           error_set(error, "%s: cannot be read: %s", reader->path, strerror(errno));
 }
 
 bool derived_take(DerivedReader *reader, void *out, size_t size) {

@@ -22,8 +22,7 @@ static const double LONGEST_PIECE = 2.5, NARROW = 2;
 // A second lamp hangs only in cells of at least this floor area, m^2: niches get light from beside.
 static const double NICHE = 2;
 // By night a room has light from its neighbours where openings to those with light have this share of its floor area together: a doorway is
-// enough for a closet, and leaves the end of a corridor black. An opening to a room with less flux per floor area than usual
-// counts for less.
+// enough for a closet, and leaves the end of a corridor black.
 static const double LIT_BESIDE = 0.5;
 // Rooms of less floor area, m^2, are crevices between walls, which nobody enters.
 static const double CREVICE = 0.1;
@@ -145,14 +144,13 @@ static void find_emitters(Filling *f) {
 
 // The light and the outdoors that a room reaches through ways without doors. A way through openings and shafts ends at the next room.
 typedef struct Reach {
-    bool outdoors, lit;  // `lit`: some room with light
-    double bright;       // area of the ways' last portals into rooms with light, m^2, by the light of these
+    bool outdoors;
+    double bright;  // area of the ways' last portals into rooms with light, m^2
 } Reach;
 
-// `usual`: flux per floor area, W/m^2 a channel.
-static Reach light_around(Filling *f, int room, double usual) {
+static Reach light_around(Filling *f, int room) {
     const CellGraph *g = f->graph;
-    Reach out = {false, false, 0};
+    Reach out = {false, 0};
     int count = 0;
     for (int i = f->rooms[room].first_cell; i < f->rooms[room + 1].first_cell; i++) {
         f->met[f->cells[i]] = room;
@@ -165,12 +163,9 @@ static Reach light_around(Filling *f, int room, double usual) {
             const Portal *portal = &g->portals[g->ways[w].portal];
             if (portal->door >= 0 || f->met[to] == room) continue;
             if (f->room[to] >= 0) {
-                const Room *next = &f->rooms[f->room[to]];
-                if (next->bright)
+                if (f->rooms[f->room[to]].bright)
                     out.bright +=
-                        fmin(next->flux / (3 * usual * next->area), 1) *
                         polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
-                out.lit |= next->bright;
                 continue;
             }
             f->met[to] = room;
@@ -406,7 +401,7 @@ static int fill_rooms(Filling *f, bool day) {
     int rooms = 0;
     Room *order = ARENA_ARRAY(&f->scratch, Room, f->room_count + 1);
     for (int r = 0; day && r < f->room_count; r++)
-        if (f->rooms[r].area > 0 && light_around(f, r, USUAL_FLUX).outdoors) f->rooms[r].bright = true;
+        if (f->rooms[r].area > 0 && light_around(f, r).outdoors) f->rooms[r].bright = true;
     for (int r = 0; r < f->room_count; r++) order[r] = f->rooms[r];
     qsort(order, (size_t)f->room_count, sizeof *order, compare_rooms);
     double per_area = flux_per_area(f);
@@ -415,12 +410,11 @@ static int fill_rooms(Filling *f, bool day) {
         Place places[MOST_LAMPS];
         Room *room = &f->rooms[order[i].id];
         if (room->area < CREVICE || room->bright) continue;
-        Reach beside = light_around(f, room->id, per_area);
-        if (beside.lit && (day || beside.bright >= LIT_BESIDE * room->area)) continue;
+        double beside = light_around(f, room->id).bright;
+        if (beside > 0 && (day || beside >= LIT_BESIDE * room->area)) continue;
         int count = find_places(f, room->id, places);
         for (int k = 0; k < count; k++) add_lamp(f, &places[k], per_area * room->area / count);
         room->bright = count > 0;
-        if (count > 0) room->flux = 3 * per_area * room->area;
         f->b->fill_lamps += count;
         rooms += count > 0;
     }

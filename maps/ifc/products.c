@@ -110,11 +110,20 @@ static void push_pair(Arena *arena, Pairs *pairs, int key, int value) {
         *ARENA_PUSH(arena, pairs->pair, pairs->count, pairs->room) = (Pair){key, value};
 }
 
-// A relation of one record with many; `turned` where the one is the value.
-static void push_many(Reader *r, Arena *arena, Pairs *pairs, int one, const StepValue *many) {
-    StepCursor c = ifc_list(r, many);
+// A relation of many records with one: the arguments that name them.
+static void push_many(Reader *r, Arena *arena, Pairs *pairs, int record, int many, int one) {
+    StepValue v[6];
+    ifc_arguments(r, record, v, 6);
+    StepCursor c = ifc_list(r, &v[many]);
     for (StepValue m = step_next(&c); m.kind != STEP_END; m = step_next(&c))
-        push_pair(arena, pairs, m.record, one);
+        push_pair(arena, pairs, m.record, v[one].record);
+}
+
+// A relation of one record with another.
+static void push_two(Reader *r, Arena *arena, Pairs *pairs, int record, int key, int value) {
+    StepValue v[6];
+    ifc_arguments(r, record, v, 6);
+    push_pair(arena, pairs, v[key].record, v[value].record);
 }
 
 // The lists of relations, all of which are put together in the same way.
@@ -136,38 +145,31 @@ typedef struct RelationWork {
 } RelationWork;
 
 static void read_relation(Reader *r, Arena *arena, int record, Relations *out) {
-    StepValue v[6];
+    StepValue v;
     int type = ifc_type(r, record);
     switch (type) {
     case T_RELAGGREGATES:
     case T_RELNESTS:
-        ifc_arguments(r, record, v, 6);
-        push_many(r, arena, &out->parts, v[4].record, &v[5]);
+        push_many(r, arena, &out->parts, record, 5, 4);
         break;
     case T_RELCONTAINEDINSPATIALSTRUCTURE:
-        ifc_arguments(r, record, v, 6);
-        push_many(r, arena, &out->inside, v[5].record, &v[4]);
+        push_many(r, arena, &out->inside, record, 4, 5);
         break;
     case T_RELVOIDSELEMENT:
-        ifc_arguments(r, record, v, 6);
-        push_pair(arena, &out->openings, v[4].record, v[5].record);
+        push_two(r, arena, &out->openings, record, 4, 5);
         break;
     case T_RELFILLSELEMENT:
-        ifc_arguments(r, record, v, 6);
-        push_pair(arena, &out->fills, v[5].record, v[4].record);
+        push_two(r, arena, &out->fills, record, 5, 4);
         break;
     case T_RELDEFINESBYTYPE:
-        ifc_arguments(r, record, v, 6);
-        push_many(r, arena, &out->types, v[5].record, &v[4]);
+        push_many(r, arena, &out->types, record, 4, 5);
         break;
     case T_RELASSOCIATESMATERIAL:
-        ifc_arguments(r, record, v, 6);
-        push_many(r, arena, &out->materials, v[5].record, &v[4]);
+        push_many(r, arena, &out->materials, record, 4, 5);
         break;
     case T_MAPPEDITEM:
-        ifc_arguments(r, record, v, 1);
-        if (ifc_type(r, v[0].record) == T_REPRESENTATIONMAP)
-            push_pair(arena, &out->maps, v[0].record, record);
+        ifc_arguments(r, record, &v, 1);
+        if (ifc_type(r, v.record) == T_REPRESENTATIONMAP) push_pair(arena, &out->maps, v.record, record);
         break;
     case T_BUILDINGSTOREY:
         push_pair(arena, &out->storeys, record, 0);

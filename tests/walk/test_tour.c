@@ -6,6 +6,7 @@
 
 #include "engine/draw/image.h"
 #include "engine/tour/tour.h"
+#include "engine/tour/tour_floor.h"
 #include "engine/walk/video.h"
 #include "engine/walk/walk_offscreen.h"
 #include "tests/support/support.h"
@@ -42,6 +43,26 @@ Test(tour, visits_every_room, .timeout = 120) {
         cr_assert_not(tour_make(&w.graph, "no such tour", &options, &w.arena, &again, &error));
         arena_free(&w.arena);
     }
+}
+
+// Proves that the floor of a tour knows every place whose eye is in a piece of furniture, or near to one: each piece is asked about each
+// place, and the floor says so of no place farther off than it keeps from things, 12 cm.
+Test(tour, knows_places_in_furniture) {
+    Walked w;
+    TourFloor floor;
+    int in_things = 0;
+    walk_check_open_building(&w, "build/maps/house.plan");
+    tour_floor_make(&w.graph, &w.arena, &floor);
+    for (int i = 0; i < floor.place_count; i++) {
+        const FloorPlace *p = &floor.places[i];
+        Vec3 eye = vec3(p->foot.x, p->foot.y, p->foot.z + (double)p->eye);
+        bool told = p->unfit & FLOOR_IN_THINGS;
+        cr_assert(told || !tour_floor_in_things(&w.building, eye, 0), "place %d is in a thing", i);
+        cr_assert(!told || tour_floor_in_things(&w.building, eye, 0.13), "place %d is in none", i);
+        in_things += told;
+    }
+    cr_assert_gt(in_things, 100, "%d of %d places", in_things, floor.place_count);
+    arena_free(&w.arena);
 }
 
 // Proves that stored tours pass through each of their viewpoints, no faster than asked; that a viewpoint is a tour of

@@ -162,6 +162,19 @@ void *arena_fit(Arena *arena, void *array, size_t size, int count, int capacity)
     return smaller ? smaller : array;
 }
 
+void arena_release(Arena *arena, const void *piece) {
+    for (ArenaBlock **at = &arena->head; *at; at = &(*at)->next) {
+        ArenaBlock *block = *at;
+        if ((const char *)piece != (char *)block + HEADER || block->used < LARGE_PIECE ||
+            block->used != block->size)
+            continue;
+        arena->used -= block->used;
+        *at = block->next;
+        memory_free(block->whole);
+        return;
+    }
+}
+
 char *arena_string(Arena *arena, const char *text) {
     size_t length = strlen(text) + 1;
     return memcpy(arena_alloc(arena, length, 1), text, length);

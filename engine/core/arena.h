@@ -50,6 +50,9 @@ void *arena_regrow(Arena *arena, void *array, size_t size, int used, int needed,
 // and it may have moved.
 void *arena_fit(Arena *arena, void *array, size_t size, int count, int capacity);
 
+// Gives back an array that nobody reads any more, where it is large and has a block of its own; else it stays until the arena is freed.
+void arena_release(Arena *arena, const void *array);
+
 // ARENA_PUSH by arena_regrow.
 #define ARENA_APPEND(arena, array, count, capacity)                                                          \
     ((array) = arena_regrow((arena), (array), sizeof *(array), (count), (count) + 1, &(capacity)),           \

@@ -226,6 +226,11 @@ bool memory_fits(size_t bytes) {
     return memory_used() + bytes <= atomic_load_explicit(&allowed, memory_order_relaxed);
 }
 
+bool memory_runs_short(void) {
+    size_t limit = atomic_load_explicit(&allowed, memory_order_relaxed);
+    return memory_used() > limit - limit / 8;
+}
+
 static bool affordable(size_t bytes) {
     if (memory_fits(bytes)) return true;
     atomic_store(&exceeded, true);

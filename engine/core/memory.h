@@ -16,6 +16,7 @@ void *memory_new(size_t bytes);              // never NULL; not zeroed
 void *memory_new_zeroed(size_t bytes);       // never NULL; large pieces come from the system, untouched
 void *memory_grow(void *old, size_t bytes);  // as realloc, but never NULL
 bool memory_fits(size_t bytes);              // is a request for `bytes` within the budget?
+bool memory_runs_short(void);                // is more than 7/8 of the budget in use?
 void memory_free(void *memory);              // NULL is allowed
 // All of this memory, which comes from here and was not touched yet, will be written: the system may give it large pages, which are
 // several times as quick to get and to find again. Memory that stays untouched in part would take more than without.

@@ -55,6 +55,30 @@ Test(memory, large_arrays_grow_in_place) {
     arena_free(&arena);
 }
 
+// Proves that a large array that nobody reads any more can be given back alone, and that a small one, which has no block of its own, stays.
+Test(memory, gives_back_one_array) {
+    enum { COUNT = 1000000 };
+    Arena arena = {0};
+    int *large = NULL, *other = NULL, *small = ARENA_ARRAY(&arena, int, 10), counts[2] = {0},
+        capacities[2] = {0};
+    for (int i = 0; i < COUNT; i++) {
+        *ARENA_APPEND(&arena, large, counts[0], capacities[0]) = i;
+        *ARENA_APPEND(&arena, other, counts[1], capacities[1]) = i;
+    }
+    large = arena_fit(&arena, large, sizeof *large, COUNT, capacities[0]);
+    other = arena_fit(&arena, other, sizeof *other, COUNT, capacities[1]);
+    small[9] = 7;
+    size_t used = arena.used, in_use = memory_used();
+    arena_release(&arena, small);
+    cr_expect_eq(arena.used, used);
+    arena_release(&arena, large);
+    cr_expect_leq(arena.used, used - COUNT * sizeof *large);
+    cr_expect_leq(memory_used(), in_use - COUNT * sizeof *large);
+    for (int i = 0; i < COUNT; i++) cr_assert(other[i] == i);
+    cr_expect_eq(small[9], 7);
+    arena_free(&arena);
+}
+
 // A dense arena hands out what any arena does: zeroed memory, aligned, also behind its first large pages; and it stays dense.
 Test(memory, dense_arenas_are_arenas) {
     enum { PIECES = 40, PIECE = 3000000 };

@@ -45,7 +45,8 @@ typedef struct BodyTrace {
 } BodyTrace;
 
 // The solids and doors among which bodies walk, and counts of the work. Only one thread at a time may use a BodyWorld, for any
-// number of bodies. It lives in the arena of body_world; the graph, `door_open` and `trace` are the caller's and must outlive it.
+// number of bodies. It lives in the arena of body_world and may take more from it: the arena must stay in its place and belong to that
+// thread. The graph, `door_open` and `trace` are the caller's and must outlive it.
 typedef struct BodyWorld {
     const CellGraph *graph;
     Obstacles *obstacles;
@@ -55,7 +56,6 @@ typedef struct BodyWorld {
     long relocations;  // bodies found in a solid and put elsewhere
     long refused;      // pieces of a way given up because rounding would have led into a solid
 } BodyWorld;
-// Allocates all memory that walking needs.
 BodyWorld body_world(const CellGraph *graph, const float *door_open, Arena *arena);
 
 // Puts the body on the floor at the free place nearest to `foot`, in the same room if the room has one. Returns false and changes

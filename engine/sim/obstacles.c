@@ -20,33 +20,40 @@ static const double STEEP = 0.7;
 // far below the grid of the plan.
 static const double TOUCH = 1e-6;
 
-// A grid in plan. Its items are polygons of furniture, then leaves of doors (polygon_count + leaf); a leaf is entered in all
-// squares that it may reach.
+// A polygon that is not part of a cell's surface and never moves; or a leaf of a door, whose box is all that it may reach.
+typedef struct Item {
+    int polygon, leaf;  // the other is -1
+    unsigned seen;      // `serial` of the last call that saw it
+    bool steep;
+    Box box;
+} Item;
+
+// A grid in plan.
 typedef struct PlanGrid {
     Vec2 origin;
     double size;
     int nx, ny;
     int *first;  // [nx * ny + 1]
-    int *items;  // run s is items[first[s]] .. items[first[s + 1] - 1]
+    int *items;  // in Obstacles.item: run s is items[first[s]] .. items[first[s + 1] - 1]
 } PlanGrid;
 
 struct Obstacles {
     const CellGraph *graph;
     PlanGrid grid;
-    Box *item_box;                    // [polygon_count + leaf_count]
-    bool *steep;                      // [polygon_count]
-    Box *portal_box;                  // [portal_count]
+    Arena *arena;
+    Item *item;  // [item_count]
+    int item_count;
     unsigned char *shut;              // [cell_count] inside a window: nobody enters
     int *bare_door;                   // [portal_count] the door without leaves that closes the portal, or -1
     Vec3 border[4][4];                // the sides of the world
     Vec3 (*leaf_plan)[LEAF_CORNERS];  // [leaf_count] plans of the leaves gathered
     // The state of the last call:
     unsigned serial;
-    unsigned *cell_seen, *item_seen;  // `serial` of the last call that saw the cell or item
-    int *cells;                       // [cell_count] reached
+    unsigned *cell_seen;  // [cell_count] `serial` of the last call that saw the cell
+    int *cells;           // [cell_count] reached
     int cell_count;
-    Solid *solids;  // [polygon_count + portal_count + leaf_count + 4]
-    int solid_count, wall_tests, object_tests;
+    Solid *solids;  // [solid_capacity]
+    int solid_count, solid_capacity, wall_tests, object_tests;
 };
 
 static Box box_of_vertices(const Vec3 *v, int count) {
@@ -70,24 +77,51 @@ static Range squares_under(const PlanGrid *grid, Box box) {
                    clamp((box.max.y - grid->origin.y) / grid->size, grid->ny)};
 }
 
-// Lists the polygons that never move, then the leaves of doors, in `list` [polygon_count + leaf_count]; returns their number.
-static int list_items(const CellGraph *graph, Arena *scratch, int *list) {
+static Plane plane_of(const CellGraph *graph, int polygon) {
+    const Polygon *p = &graph->polygons[polygon];
+    return plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count);
+}
+
+static Box box_of(const CellGraph *graph, int polygon) {
+    const Polygon *p = &graph->polygons[polygon];
+    return box_of_vertices(graph->vertices + p->first_vertex, p->vertex_count);
+}
+
+static bool is_steep(const CellGraph *graph, int polygon) {
+    return fabs(plane_of(graph, polygon).n.z) < STEEP;
+}
+
+// Is the object neither a surface nor a leaf, and in the way? Of the building's own objects.
+static bool stands_in_the_way(const Object *object, const unsigned char *frameless) {
+    if (object->plug || object->leaf >= 0) return false;
+    return object->kind != OBJECT_FRAME || object->opening < 0 || !frameless[object->opening];
+}
+
+// Lists the items: polygons, then leaves.
+static void list_items(Obstacles *o, Arena *arena) {
+    const CellGraph *graph = o->graph;
     const Building *b = graph->building;
-    unsigned char *frameless = ARENA_ARRAY(scratch, unsigned char, b->opening_count + 1);
+    Arena scratch = {0};
+    unsigned char *frameless = ARENA_ARRAY(&scratch, unsigned char, b->opening_count + 1);
     for (int i = 0; i < b->opening_count; i++) {
         // A frame that bars its door by itself, as in some models cut into parts, is drawn but is no obstacle.
         frameless[i] = b->openings[i].kind == OPENING_DOOR && !door_lets_pass(graph, i, true) &&
                        door_lets_pass(graph, i, false);
     }
-    int count = 0;
+    int count = b->leaf_count;
+    for (int i = 0; i < graph->surface_first[0]; i++)
+        if (stands_in_the_way(&graph->objects[i], frameless)) count += graph->objects[i].polygon_count;
+    o->item = ARENA_ARRAY(arena, Item, count + 1);
     for (int i = 0; i < graph->surface_first[0]; i++) {
         const Object *object = &graph->objects[i];
-        if (object->plug || object->leaf >= 0) continue;
-        if (object->kind == OBJECT_FRAME && object->opening >= 0 && frameless[object->opening]) continue;
-        for (int p = 0; p < object->polygon_count; p++) list[count++] = object->first_polygon + p;
+        if (!stands_in_the_way(object, frameless)) continue;
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
+            o->item[o->item_count++] =
+                (Item){.polygon = p, .leaf = -1, .steep = is_steep(graph, p), .box = box_of(graph, p)};
     }
-    for (int i = 0; i < b->leaf_count; i++) list[count++] = graph->polygon_count + i;
-    return count;
+    for (int i = 0; i < b->leaf_count; i++)
+        o->item[o->item_count++] = (Item){.polygon = -1, .leaf = i, .box = door_leaf_reach(&b->leaves[i])};
+    arena_free(&scratch);
 }
 
 static PlanGrid grid_over(Box box, double size) {
@@ -97,25 +131,25 @@ static PlanGrid grid_over(Box box, double size) {
                       .ny = (int)fmax(1, ceil((box.max.y - box.min.y) / size))};
 }
 
-static long count_entries(const Obstacles *o, const PlanGrid *grid, const int *list, int count) {
+static long count_entries(const Obstacles *o, const PlanGrid *grid) {
     long entries = 0;
-    for (int i = 0; i < count; i++) {
-        Range r = squares_under(grid, o->item_box[list[i]]);
+    for (int i = 0; i < o->item_count; i++) {
+        Range r = squares_under(grid, o->item[i].box);
         entries += (long)(r.x1 - r.x0 + 1) * (r.y1 - r.y0 + 1);
     }
     return entries;
 }
 
 // Counts the entries of each square when `fill` is NULL, otherwise puts the items into their squares.
-static void enter_items(Obstacles *o, const int *list, int count, int *fill) {
+static void enter_items(Obstacles *o, int *fill) {
     PlanGrid *grid = &o->grid;
-    for (int i = 0; i < count; i++) {
-        Range r = squares_under(grid, o->item_box[list[i]]);
+    for (int i = 0; i < o->item_count; i++) {
+        Range r = squares_under(grid, o->item[i].box);
         for (int y = r.y0; y <= r.y1; y++) {
             for (int x = r.x0; x <= r.x1; x++) {
                 int square = y * grid->nx + x;
                 if (fill) {
-                    grid->items[fill[square]++] = list[i];
+                    grid->items[fill[square]++] = i;
                 } else {
                     grid->first[square + 1]++;
                 }
@@ -125,43 +159,21 @@ static void enter_items(Obstacles *o, const int *list, int count, int *fill) {
 }
 
 static void build_grid(Obstacles *o, Arena *arena) {
-    const CellGraph *graph = o->graph;
     Arena scratch = {0};
-    int *list = ARENA_ARRAY(&scratch, int, graph->polygon_count + graph->building->leaf_count + 1);
-    int count = list_items(graph, &scratch, list);
-    Box box = graph->box;
+    Box box = o->graph->box;
     double size = fmax(SQUARE, fmax(box.max.x - box.min.x, box.max.y - box.min.y) / MOST_SQUARES);
     o->grid = grid_over(box, size);
-    while (count_entries(o, &o->grid, list, count) > (long)ENTRIES_PER_POLYGON * count + LEAST_ENTRIES)
+    while (count_entries(o, &o->grid) > (long)ENTRIES_PER_POLYGON * o->item_count + LEAST_ENTRIES)
         o->grid = grid_over(box, size *= 2);
     int squares = o->grid.nx * o->grid.ny;
     o->grid.first = ARENA_ARRAY(arena, int, squares + 1);
-    enter_items(o, list, count, NULL);
+    enter_items(o, NULL);
     for (int s = 0; s < squares; s++) o->grid.first[s + 1] += o->grid.first[s];
     o->grid.items = ARENA_ARRAY(arena, int, o->grid.first[squares] + 1);
     int *fill = ARENA_ARRAY(&scratch, int, squares);
     memcpy(fill, o->grid.first, (size_t)squares * sizeof *fill);
-    enter_items(o, list, count, fill);
+    enter_items(o, fill);
     arena_free(&scratch);
-}
-
-static void build_boxes(Obstacles *o, Arena *arena) {
-    const CellGraph *graph = o->graph;
-    const Building *b = graph->building;
-    o->item_box = ARENA_ARRAY(arena, Box, graph->polygon_count + b->leaf_count + 1);
-    o->steep = ARENA_ARRAY(arena, bool, graph->polygon_count + 1);
-    for (int i = 0; i < graph->polygon_count; i++) {
-        const Polygon *p = &graph->polygons[i];
-        o->item_box[i] = box_of_vertices(graph->vertices + p->first_vertex, p->vertex_count);
-        o->steep[i] = fabs(plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count).n.z) < STEEP;
-    }
-    for (int i = 0; i < b->leaf_count; i++)
-        o->item_box[graph->polygon_count + i] = door_leaf_reach(&b->leaves[i]);
-    o->portal_box = ARENA_ARRAY(arena, Box, graph->portal_count + 1);
-    for (int i = 0; i < graph->portal_count; i++) {
-        const Portal *p = &graph->portals[i];
-        o->portal_box[i] = box_of_vertices(graph->portal_vertices + p->first_vertex, p->vertex_count);
-    }
 }
 
 // Marks the cells inside windows, which nobody enters, and the portals between the two halves of a door without leaves.
@@ -203,15 +215,14 @@ Obstacles *obstacles_new(const CellGraph *graph, Arena *arena) {
     Obstacles *o = arena_alloc(arena, 1, sizeof *o);
     int leaves = graph->building->leaf_count;
     o->graph = graph;
-    build_boxes(o, arena);
+    o->arena = arena;
+    list_items(o, arena);
     mark_openings(o, arena);
     build_border(o);
     build_grid(o, arena);
     o->leaf_plan = arena_alloc(arena, (size_t)leaves + 1, sizeof *o->leaf_plan);
     o->cell_seen = ARENA_ARRAY(arena, unsigned, graph->cell_count);
-    o->item_seen = ARENA_ARRAY(arena, unsigned, graph->polygon_count + leaves + 1);
     o->cells = ARENA_ARRAY(arena, int, graph->cell_count);
-    o->solids = ARENA_ARRAY(arena, Solid, graph->polygon_count + graph->portal_count + leaves + 4);
     return o;
 }
 
@@ -245,9 +256,14 @@ static double edge_to_edge(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
                 fmin(point_to_edge(c, a, b), point_to_edge(d, a, b)));
 }
 
+static Box portal_box(const CellGraph *graph, int portal) {
+    const Portal *p = &graph->portals[portal];
+    return box_of_vertices(graph->portal_vertices + p->first_vertex, p->vertex_count);
+}
+
 static bool touches(const Obstacles *o, int portal, const Path *path) {
     const Portal *p = &o->graph->portals[portal];
-    if (!box_overlap(o->portal_box[portal], path->box)) return false;
+    if (!box_overlap(portal_box(o->graph, portal), path->box)) return false;
     if (!p->horizontal) return edge_to_edge(path->from, path->to, p->left, p->right) <= path->reach;
     // In plan, a path that is outside one edge by more than the reach is that far away from the whole portal.
     const Vec3 *v = o->graph->portal_vertices + p->first_vertex;
@@ -272,8 +288,7 @@ static void begin_cell(Obstacles *o, int cell) {
     // The counter may wrap around; a cell or item that was seen 2^32 calls ago must not count as seen now.
     if (++o->serial == 0) {
         memset(o->cell_seen, 0, (size_t)o->graph->cell_count * sizeof *o->cell_seen);
-        size_t items = (size_t)(o->graph->polygon_count + o->graph->building->leaf_count);
-        memset(o->item_seen, 0, items * sizeof *o->item_seen);
+        for (int i = 0; i < o->item_count; i++) o->item[i].seen = 0;
         o->serial = 1;
     }
     o->cell_count = o->solid_count = o->wall_tests = o->object_tests = 0;
@@ -282,23 +297,25 @@ static void begin_cell(Obstacles *o, int cell) {
 
 // ---- solids
 
-// Adds an upright polygon: a portal that nobody passes, or a side of the border of the world.
-static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) {
-    o->solids[o->solid_count++] = (Solid){.vertices = vertices, .count = count, .steep = true, .box = box};
+static void add_solid(Obstacles *o, Solid solid) {
+    *ARENA_PUSH(o->arena, o->solids, o->solid_count, o->solid_capacity) = solid;
 }
 
-static void add_obstacle_polygon(Obstacles *o, int polygon, const Box *near) {
-    if (!box_overlap(o->item_box[polygon], *near)) return;
+// Adds an upright polygon: a portal that nobody passes, or a side of the border of the world.
+static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) {
+    add_solid(o, (Solid){.vertices = vertices, .count = count, .steep = true, .box = box});
+}
+
+static void add_obstacle_polygon(Obstacles *o, int polygon, bool steep, Box box) {
     const Polygon *p = &o->graph->polygons[polygon];
-    o->solids[o->solid_count++] = (Solid){.vertices = o->graph->vertices + p->first_vertex,
-                                          .count = p->vertex_count,
-                                          .steep = o->steep[polygon],
-                                          .box = o->item_box[polygon]};
+    add_solid(o, (Solid){.vertices = o->graph->vertices + p->first_vertex,
+                         .count = p->vertex_count,
+                         .steep = steep,
+                         .box = box});
 }
 
 static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *near) {
     const Leaf *l = &o->graph->building->leaves[leaf];
-    if (!box_overlap(o->item_box[o->graph->polygon_count + leaf], *near)) return;
     Vec2 corner[LEAF_CORNERS];
     double open = door_open ? (double)door_open[l->opening] : 1;
     int count = leaf_plan(o->graph->building, l, open, corner);
@@ -310,8 +327,7 @@ static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *
     box.min.z = l->z0 + open * l->rise;
     box.max.z = l->z1 + open * l->rise;
     if (!box_overlap(box, *near)) return;
-    o->solids[o->solid_count++] =
-        (Solid){.vertices = o->leaf_plan[leaf], .count = count, .prism = true, .box = box};
+    add_solid(o, (Solid){.vertices = o->leaf_plan[leaf], .count = count, .prism = true, .box = box});
 }
 
 // Adds the surfaces of a cell and its portals that nobody passes; its other portals lead to further cells.
@@ -320,8 +336,10 @@ static void add_cell(Obstacles *o, int cell, const float *door_open, const Path 
     for (int i = graph->surface_first[cell]; i < graph->surface_first[cell + 1]; i++) {
         const Object *object = &graph->objects[i];
         o->wall_tests += object->polygon_count;
-        for (int p = 0; p < object->polygon_count; p++)
-            add_obstacle_polygon(o, object->first_polygon + p, &path->box);
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+            Box box = box_of(graph, p);
+            if (box_overlap(box, path->box)) add_obstacle_polygon(o, p, is_steep(graph, p), box);
+        }
     }
     for (int i = 0; i < graph->cells[cell].way_count; i++) {
         Way way = graph->ways[graph->cells[cell].first_way + i];
@@ -332,7 +350,7 @@ static void add_cell(Obstacles *o, int cell, const float *door_open, const Path 
         // A closed door is met from both of its sides but added only once.
         if (o->shut[way.cell] || (closed && o->cell_seen[way.cell] != o->serial)) {
             add_barrier(o, graph->portal_vertices + p->first_vertex, p->vertex_count,
-                        o->portal_box[way.portal]);
+                        portal_box(graph, way.portal));
         }
         if (!o->shut[way.cell]) reach_cell(o, way.cell);
     }
@@ -343,15 +361,15 @@ static void add_items(Obstacles *o, const float *door_open, const Box *near) {
     Range r = squares_under(grid, *near);
     for (int y = r.y0; y <= r.y1; y++) {
         for (int k = grid->first[y * grid->nx + r.x0]; k < grid->first[y * grid->nx + r.x1 + 1]; k++) {
-            int item = grid->items[k];
-            if (o->item_seen[item] == o->serial) continue;
-            o->item_seen[item] = o->serial;
+            Item *item = &o->item[grid->items[k]];
+            if (item->seen == o->serial) continue;
+            item->seen = o->serial;
             o->object_tests++;
-            if (item < o->graph->polygon_count) {
-                add_obstacle_polygon(o, item, near);
-            } else {
-                add_leaf(o, item - o->graph->polygon_count, door_open, near);
-            }
+            if (!box_overlap(item->box, *near)) continue;
+            if (item->polygon >= 0)
+                add_obstacle_polygon(o, item->polygon, item->steep, item->box);
+            else
+                add_leaf(o, item->leaf, door_open, near);
         }
     }
 }

@@ -6,8 +6,8 @@
 #include "engine/sim/solid.h"
 #include "visibility/vis.h"
 
-// Sized once for a graph: nothing is allocated afterwards, and no list can overflow. Only one thread at a time may use an
-// Obstacles. It lives in the arena of obstacles_new, and the graph must outlive it.
+// Only one thread at a time may use an Obstacles. It lives in the arena of obstacles_new and may take more from it, so that the arena must
+// stay in its place and belong to that thread; the graph must outlive it.
 typedef struct Obstacles Obstacles;
 Obstacles *obstacles_new(const CellGraph *graph, Arena *arena);
 

@@ -22,26 +22,26 @@ FirstScene shown_first_scene(Shown *shown) {
 }
 
 Shown *shown_load(const Session *s, Error *error) {
-    Arena arena = {0};
-    Shown *shown = ARENA_ARRAY(&arena, Shown, 1);
+    Arena first = {0};
+    Shown *shown = ARENA_ARRAY(&first, Shown, 1);
     *shown = (Shown){.turned = s->turned};
-    if (!s->loader.load(s->loader.context, s->options.file, &arena, &shown->scene, error)) {
-        arena_free(&arena);
+    shown->arena = first;  // stored in the object that it holds
+    Arena *arena = &shown->arena;
+    if (!s->loader.load(s->loader.context, s->options.file, arena, &shown->scene, error)) {
+        shown_free(shown, 0);
         return NULL;
     }
     const CellGraph *graph = shown->scene.graph;
-    shown->query = vis_query_new(graph, shown->scene.forest, &arena);
-    shown->mirrors = mirrors_new(graph, shown->scene.forest, &arena);
-    shown->doors = doors_new(graph, &arena);
-    shown->world = body_world(graph, shown->doors.open, &arena);
-    shown->drawn_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
-    shown->hidden = ARENA_ARRAY(&arena, int, graph->object_count + 1);
+    shown->query = vis_query_new(graph, shown->scene.forest, arena);
+    shown->mirrors = mirrors_new(graph, shown->scene.forest, arena);
+    shown->doors = doors_new(graph, arena);
+    shown->world = body_world(graph, shown->doors.open, arena);
+    shown->drawn_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
+    shown->hidden = ARENA_ARRAY(arena, int, graph->object_count + 1);
     set_doors(&shown->doors, graph->building, s->options.doors);
-    shown->asked_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
+    shown->asked_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
     memcpy(shown->asked_open, shown->doors.open,
            (size_t)graph->building->opening_count * sizeof *shown->asked_open);
-    // From here on the arena is stored in the object that it holds.
-    shown->arena = arena;
     Arena scratch = {0};
     FirstScene scene = shown_first_scene(shown);
     shown->first = first_view(&scene, FIRST_VIEW_FOV, &scratch);

@@ -26,62 +26,88 @@ static const double MOVED = 0.3;
 
 // ---- what is seen
 
-// The polygons of these objects that a camera at `eye` may see: surfaces by their front alone, and no glass.
-static int list_polygons(const CellGraph *graph, Vec3 eye, const int *objects, int count, int *list) {
-    int listed = 0;
-    for (int k = 0; k < count; k++) {
-        const Object *o = &graph->objects[objects[k]];
-        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-            const Polygon *polygon = &graph->polygons[p];
-            if (vis_is_glass(graph, p)) continue;
-            if (o->kind == OBJECT_SURFACE) {
-                Plane plane =
-                    plane_of_polygon(graph->vertices + polygon->first_vertex, polygon->vertex_count);
-                if (plane_distance(plane, eye) <= 0) continue;
-            }
-            list[listed++] = p;
-        }
+// A picture, and copies of the polygons in it as doors stand: item i is polygon i of these, whose vertices are `vertices`.
+typedef struct Seen {
+    Polygon *polygons;
+    Vec3 *vertices;
+    int count;
+    ItemBuffer items;
+} Seen;
+
+static int count_vertices(const CellGraph *graph, const VisResult *seen) {
+    int count = 0;
+    for (int k = 0; k < seen->object_count; k++) {
+        const Object *o = &graph->objects[seen->objects[k]];
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++)
+            count += graph->polygons[p].vertex_count;
     }
-    return listed;
+    return count;
 }
 
-static bool draw_items(const FirstScene *scene, const Camera *camera, const Vec3 *vertices, Arena *scratch,
-                       ItemBuffer *out, Error *error) {
+// Copies the polygons that a camera at `eye` may see: surfaces by their front alone, and no glass.
+static void copy_polygons(const FirstScene *scene, Vec3 eye, const VisResult *seen, Arena *scratch,
+                          Seen *out) {
     const CellGraph *graph = scene->graph;
+    const Building *b = graph->building;
+    out->polygons = ARENA_ARRAY(scratch, Polygon, seen->polygon_count + 1);
+    out->vertices = ARENA_ARRAY(scratch, Vec3, count_vertices(graph, seen) + 1);
+    int vertices = 0;
+    for (int k = 0; k < seen->object_count; k++) {
+        const Object *o = &graph->objects[seen->objects[k]];
+        const Leaf *leaf = o->leaf < 0 ? NULL : &b->leaves[o->leaf];
+        double open = leaf && scene->door_open ? (double)scene->door_open[leaf->opening] : 1;
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+            const Polygon *polygon = &graph->polygons[p];
+            const Vec3 *v = graph->vertices + polygon->first_vertex;
+            if (vis_is_glass(graph, p)) continue;
+            if (o->kind == OBJECT_SURFACE &&
+                plane_distance(plane_of_polygon(v, polygon->vertex_count), eye) <= 0)
+                continue;
+            Polygon *copy = &out->polygons[out->count++];
+            *copy = *polygon;
+            copy->first_vertex = vertices;
+            for (int i = 0; i < polygon->vertex_count; i++)
+                out->vertices[vertices++] = leaf ? leaf_point(leaf, open, v[i]) : v[i];
+        }
+    }
+}
+
+static bool draw_items(const FirstScene *scene, const Camera *camera, Arena *scratch, Seen *out,
+                       Error *error) {
     Eye eye = walk_eye(camera);
     VisResult seen =
-        vis_query(scene->query, &eye, vis_locate(graph, camera->eye, -1), scene->door_open, CULL_STAB);
-    int *list = ARENA_ARRAY(scratch, int, seen.polygon_count + 1);
-    Scene items = {graph->polygons, vertices, list,
-                   list_polygons(graph, camera->eye, seen.objects, seen.object_count, list)};
+        vis_query(scene->query, &eye, vis_locate(scene->graph, camera->eye, -1), scene->door_open, CULL_STAB);
+    *out = (Seen){.count = 0};
+    copy_polygons(scene, camera->eye, &seen, scratch, out);
+    Scene items = {out->polygons, out->vertices, NULL, out->count};
     const HiddenMethod *method = hidden_find("zbuffer");
     void *prepared = method->begin(&items, scratch, error);
     if (!prepared) return false;
-    *out = item_buffer_new(scratch, camera->width, camera->height);
-    bool good = hidden_draw(method, prepared, camera, out, NULL, error);
+    out->items = item_buffer_new(scratch, camera->width, camera->height);
+    bool good = hidden_draw(method, prepared, camera, &out->items, NULL, error);
     if (method->end) method->end(prepared);
     return good;
 }
 
 // ---- judging views
 
-static bool looks_into_room(const FirstScene *scene, const Viewpoint *v, double fov, const Vec3 *vertices) {
+static bool looks_into_room(const FirstScene *scene, const Viewpoint *v, double fov) {
     const CellGraph *graph = scene->graph;
     Arena scratch = {0};
-    ItemBuffer seen;
+    Seen seen;
     int cell = vis_locate(graph, v->eye, -1);
     Camera camera = camera_look(v->eye, v->yaw, v->pitch, fov, JUDGE_WIDTH, JUDGE_HEIGHT);
     bool rooms = graph->building->form == FORM_REGIONS;
     bool good = cell >= 0 && (!rooms || vis_region(graph, cell)->kind == REGION_ROOM) &&
-                draw_items(scene, &camera, vertices, &scratch, &seen, NULL);
+                draw_items(scene, &camera, &scratch, &seen, NULL);
     if (good) {
-        int *pixels = ARENA_ARRAY(&scratch, int, graph->polygon_count + 1), most = 0, near = 0;
+        int *pixels = ARENA_ARRAY(&scratch, int, seen.count + 1), most = 0, near = 0;
         double middle = 0;
         int middles = 0;
         for (int y = 0; y < JUDGE_HEIGHT; y++) {
             for (int x = 0; x < JUDGE_WIDTH; x++) {
-                int i = y * JUDGE_WIDTH + x, item = seen.item[i];
-                double depth = fmin((double)seen.depth[i], FAR);
+                int i = y * JUDGE_WIDTH + x, item = seen.items.item[i];
+                double depth = fmin((double)seen.items.depth[i], FAR);
                 near += depth < ARM;
                 if (item >= 0 && ++pixels[item] > most) most = pixels[item];
                 if (abs(2 * x - JUDGE_WIDTH) > JUDGE_WIDTH / 4 ||
@@ -133,18 +159,17 @@ static double way_out(Box box, Vec3 from, Vec3 way) {
 
 // The distances seen all around, column by column from yaw 0 on, each the mean over a quarter of the height. What lies outside the room,
 // behind windows and doors, is no farther than its border.
-static bool see_all_around(const FirstScene *scene, Vec3 eye, Box room, const Vec3 *vertices, Arena *scratch,
-                           double *out) {
+static bool see_all_around(const FirstScene *scene, Vec3 eye, Box room, Arena *scratch, double *out) {
     enum { HEIGHT = SIDE_WIDTH / 2 };
     for (int side = 0; side < SIDES; side++) {
-        ItemBuffer seen;
+        Seen seen;
         Camera camera = camera_look(eye, (side + 0.5) * M_PI / 2, 0, M_PI / 2, SIDE_WIDTH, HEIGHT);
-        if (!draw_items(scene, &camera, vertices, scratch, &seen, NULL)) return false;
+        if (!draw_items(scene, &camera, scratch, &seen, NULL)) return false;
         for (int x = 0; x < SIDE_WIDTH; x++) {
             Vec3 ray = camera_ray(&camera, x + 0.5, HEIGHT / 2);
             double sum = 0, most = way_out(room, eye, ray);
             for (int y = HEIGHT / 4; y < HEIGHT - HEIGHT / 4; y++)
-                sum += fmin((double)seen.depth[y * SIDE_WIDTH + x], most) * hypot(ray.x, ray.y);
+                sum += fmin((double)seen.items.depth[y * SIDE_WIDTH + x], most) * hypot(ray.x, ray.y);
             // Columns go clockwise, yaws counter-clockwise.
             out[side * SIDE_WIDTH + SIDE_WIDTH - 1 - x] = sum / (HEIGHT / 2);
         }
@@ -192,8 +217,7 @@ static int places_in(const CellGraph *graph, int region, Vec3 *out, int most) {
     return count;
 }
 
-static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3 *vertices, Arena *scratch,
-                                 Viewpoint *out) {
+static bool view_of_largest_room(const FirstScene *scene, double fov, Arena *scratch, Viewpoint *out) {
     const CellGraph *graph = scene->graph;
     int region = graph->building->form == FORM_REGIONS ? largest_room(graph, scratch) : -1;
     if (region < 0) return false;
@@ -213,8 +237,7 @@ static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3
         double far[AROUND], score;
         Vec3 foot = vec3_sub(places[i], vec3(0, 0, BODY_EYE));
         if (body_place_near(&body, scene->world, foot) && vec3_length(vec3_sub(body.foot, foot)) <= MOVED &&
-            see_all_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), room, vertices, &around,
-                           far)) {
+            see_all_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), room, &around, far)) {
             double yaw = best_yaw(far, fov, &score);
             if (score > best) {
                 best = score;
@@ -229,12 +252,11 @@ static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3
 
 Viewpoint first_view(const FirstScene *scene, double fov, Arena *scratch) {
     const Building *b = scene->graph->building;
-    const Vec3 *vertices = vis_posed(scene->graph, scene->door_open, scratch);
     Viewpoint start = {.name = "", .eye = b->start, .yaw = b->start_yaw, .fov = fov}, room = start;
-    if (looks_into_room(scene, &start, fov, vertices)) return start;
+    if (looks_into_room(scene, &start, fov)) return start;
     for (int i = 0; i < b->viewpoint_count; i++)
-        if (looks_into_room(scene, &b->viewpoints[i], fov, vertices)) return b->viewpoints[i];
-    return view_of_largest_room(scene, fov, vertices, scratch, &room) ? room : start;
+        if (looks_into_room(scene, &b->viewpoints[i], fov)) return b->viewpoints[i];
+    return view_of_largest_room(scene, fov, scratch, &room) ? room : start;
 }
 
 Viewpoint first_view_of_walk(const CellGraph *graph, const StabForest *forest) {
@@ -257,18 +279,17 @@ static uint32_t pack(Rgba8 c) { return 0xff000000u | (uint32_t)c.r << 16 | (uint
 bool first_picture(const FirstScene *scene, const Camera *camera, Arena *scratch, uint32_t *out,
                    Error *error) {
     const CellGraph *graph = scene->graph;
-    const Vec3 *vertices = vis_posed(graph, scene->door_open, scratch);
-    ItemBuffer seen;
-    if (!draw_items(scene, camera, vertices, scratch, &seen, error)) return false;
-    uint32_t *colour = ARENA_ARRAY(scratch, uint32_t, graph->polygon_count + 1);
+    Seen seen;
+    if (!draw_items(scene, camera, scratch, &seen, error)) return false;
+    uint32_t *colour = ARENA_ARRAY(scratch, uint32_t, seen.count + 1);
     const uint32_t sky = pack(walk_bake_sky());
     for (int y = 0; y < camera->height; y++) {
         uint32_t *row = out + (size_t)y * (size_t)camera->width;
         for (int x = 0; x < camera->width; x++) {
-            int p = seen.item[(size_t)y * (size_t)camera->width + (size_t)x];
+            int p = seen.items.item[(size_t)y * (size_t)camera->width + (size_t)x];
             if (p >= 0 && colour[p] == 0) {
-                const Polygon *polygon = &graph->polygons[p];
-                Plane plane = plane_of_polygon(vertices + polygon->first_vertex, polygon->vertex_count);
+                const Polygon *polygon = &seen.polygons[p];
+                Plane plane = plane_of_polygon(seen.vertices + polygon->first_vertex, polygon->vertex_count);
                 if (plane_distance(plane, camera->eye) < 0) plane.n = vec3_scale(plane.n, -1);
                 colour[p] = pack(walk_bake_plain(&graph->building->materials[polygon->material], plane.n));
             }

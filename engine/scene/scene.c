@@ -178,10 +178,31 @@ static bool read_building(const char *path, const SceneOptions *options, Arena *
     return good;
 }
 
+// The graph begins with a copy of the building's own polygons. Where it is the same to the last bit, the building uses the copy: in a large
+// building a tenth of all memory.
+static void share_polygons(LoadedScene *scene, Arena *arena) {
+    Building *b = &scene->building;
+    const CellGraph *graph = &scene->graph;
+    size_t polygons = (size_t)b->polygon_count * sizeof *b->polygons,
+           vertices = (size_t)b->vertex_count * sizeof *b->vertices;
+    if (polygons + vertices == 0 || b->polygon_count >= graph->polygon_count ||
+        b->vertex_count >= graph->vertex_count || memcmp(b->polygons, graph->polygons, polygons) != 0 ||
+        memcmp(b->vertices, graph->vertices, vertices) != 0)
+        return;
+    arena_release(arena, b->polygons);
+    arena_release(arena, b->vertices);
+    b->polygons = graph->polygons;
+    b->vertices = graph->vertices;
+    // Whoever adds to them later gets arrays of their own.
+    b->polygon_capacity = b->polygon_count;
+    b->vertex_capacity = b->vertex_count;
+}
+
 bool scene_load_cells(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                       Error *error) {
     if (!read_building(path, options, arena, out, error)) return false;
     if (out->graph.cell_count == 0 && !make_cells(options, arena, out, error)) return false;
+    share_polygons(out, arena);
     lamps_find(&out->graph, &out->building, arena, &out->lamps);
     out->lit = ARENA_ARRAY(arena, Rgb, out->lamps.count + 1);
     for (int i = 0; i < out->lamps.count; i++) out->lit[i] = (Rgb){1, 1, 1};

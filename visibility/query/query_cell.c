@@ -250,13 +250,14 @@ void query_list_objects(VisQuery *q, Arena *arena) {
         q->of_cell[c].first_box = blocks;
         q->of_cell[c].object_count = count;
         for (int i = 0; i < count; i += FOUR) {
-            BoxBlock *block = ARENA_PUSH(arena, q->boxes, blocks, capacity);
+            BoxBlock *block = ARENA_APPEND(arena, q->boxes, blocks, capacity);
             for (int lane = 0; lane < FOUR; lane++) {
                 int object = objects[i + lane < count ? i + lane : i];
                 list_box(graph->object_boxes[object], q->middle, object, block, lane);
             }
         }
     }
+    q->boxes = arena_fit(arena, q->boxes, sizeof *q->boxes, blocks, capacity);
     // Boxes are fetched ahead by their address also where a cell has none, and be it that no cell has any.
     if (!q->boxes) q->boxes = ARENA_ARRAY(arena, BoxBlock, 1);
 }

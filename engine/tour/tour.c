@@ -58,7 +58,7 @@ static void count_rooms(const TourRoute *route, Arena *arena, TourPath *out) {
     for (int i = 0; i < out->film.moment_count; i++)
         if (out->film.moments[i].room >= 0) seen[out->film.moments[i].room] = 1;
     for (int i = 0; i < route->room_count; i++) {
-        out->rooms_enterable += route->room_state[i] != ROOM_SHUT;
+        out->rooms_enterable += route->room_state[i] != ROOM_SHUT && route->room_state[i] != ROOM_BEYOND;
         out->rooms_entered += seen[i];
     }
     if (route->moved)
@@ -100,7 +100,7 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     Arena scratch = {0};
     TourFloor floor;
     TourRoute route;
-    tour_floor_make(graph, &scratch, &floor);
+    tour_floor_make(graph, options->rooms, &scratch, &floor);
     tour_route_make(&floor, &scratch, &route);
     tour_film_walk(&route, arena, &out->film);
     tour_film_doors(graph, arena, &out->film);

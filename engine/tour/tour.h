@@ -10,6 +10,7 @@ typedef struct TourOptions {
     double turn;            // of a stored tour: greatest turn between two frames, radians, 0.01 .. 1
     double fov;             // horizontal, radians; stored viewpoints keep their own
     int frames_per_second;  // of the automatic tour, 1 .. 240
+    int rooms;              // of the automatic tour: at most so many, those nearest to the start; 0: all
 } TourOptions;
 TourOptions tour_default_options(void);
 

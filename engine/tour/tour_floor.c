@@ -53,6 +53,8 @@ static int place_near(const TourFloor *f, int column, double z, double rise) {
     return best;
 }
 
+static bool may_enter(const TourFloor *f, int cell) { return !f->chosen || (cell >= 0 && f->chosen[cell]); }
+
 // ---- places
 
 static bool in_prism(const Object *o, Vec2 at, double grow) {
@@ -141,6 +143,7 @@ static int step_to(Flood *w, int from, int k) {
     Body body = body_at(&f->places[from]);
     if (!walks(w, &body, to) || hypot(body.foot.x - to.x, body.foot.y - to.y) > OFF_GRID * f->apart)
         return -1;
+    if (!may_enter(f, body.cell)) return -1;
     int there = place_near(f, column, body.foot.z, BODY_STEP);
     if (there < 0) return add_place(w, column, &body);
     Vec3 foot = f->places[there].foot;
@@ -232,6 +235,61 @@ static void find_clearance(TourFloor *f) {
     }
 }
 
+// ---- which rooms
+
+// Spreads from the cells of `queue` on to others of the same side of the building's walls, until `rooms` regions that are rooms are chosen.
+// Returns how many are in the queue then; cells of the other side that were met go to `beyond`.
+static int spread(TourFloor *f, bool outdoors, int rooms, int *room_count, unsigned char *region_chosen,
+                  int *queue, int count, int *beyond, int *beyond_count) {
+    const CellGraph *graph = f->graph;
+    for (int i = 0; i < count; i++) {
+        const Cell *cell = &graph->cells[queue[i]];
+        for (int k = cell->first_way; k < cell->first_way + cell->way_count; k++) {
+            int to = graph->ways[k].cell;
+            const Region *region = vis_region(graph, to);
+            if (f->chosen[to]) continue;
+            if ((region->kind == REGION_OUTDOORS) != outdoors) {
+                beyond[(*beyond_count)++] = to;
+                f->chosen[to] = 1;
+                continue;
+            }
+            unsigned char *taken = &region_chosen[graph->cells[to].region];
+            if (region->kind == REGION_ROOM && !*taken) {
+                if (*room_count == rooms) continue;
+                *taken = 1;
+                ++*room_count;
+            }
+            f->chosen[to] = 1;
+            queue[count++] = to;
+        }
+    }
+    return count;
+}
+
+// Rooms are reached indoors first, and only then by ways outdoors.
+static void choose_rooms(TourFloor *f, int rooms, Arena *arena) {
+    const CellGraph *graph = f->graph;
+    int start = vis_locate(graph, graph->building->start, -1), room_count = 0, counts[2] = {0, 0};
+    Arena scratch = {0};
+    unsigned char *region_chosen = ARENA_ARRAY(&scratch, unsigned char, graph->building->region_count + 1);
+    int *queues[2] = {ARENA_ARRAY(&scratch, int, graph->cell_count + 1),
+                      ARENA_ARRAY(&scratch, int, graph->cell_count + 1)};
+    f->chosen = ARENA_ARRAY(arena, unsigned char, graph->cell_count + 1);
+    if (start < 0) start = 0;
+    const Region *region = vis_region(graph, start);
+    int side = region->kind == REGION_OUTDOORS;
+    f->chosen[start] = 1;
+    queues[side][counts[side]++] = start;
+    if (region->kind == REGION_ROOM) region_chosen[graph->cells[start].region] = 1, room_count++;
+    while (counts[side] > 0) {
+        spread(f, side, rooms, &room_count, region_chosen, queues[side], counts[side], queues[1 - side],
+               &counts[1 - side]);
+        counts[side] = 0;
+        side = 1 - side;
+    }
+    arena_free(&scratch);
+}
+
 // ---- the whole floor
 
 static void lay(TourFloor *f, Arena *arena) {
@@ -240,7 +298,7 @@ static void lay(TourFloor *f, Arena *arena) {
     double area = 0;
     for (int c = 0; c < graph->cell_count; c++) {
         const Cell *cell = &graph->cells[c];
-        if (vis_region(graph, c)->kind == REGION_OUTDOORS) continue;
+        if (vis_region(graph, c)->kind == REGION_OUTDOORS || !may_enter(f, c)) continue;
         box = box_union(box, cell->box);
         for (int i = 1; i + 1 < cell->edge_count; i++) {
             Vec2 o = graph->plan[cell->first_edge];
@@ -295,7 +353,7 @@ static void seed_cell(Flood *w, int c) {
     }
 }
 
-void tour_floor_make(const CellGraph *graph, Arena *arena, TourFloor *out) {
+void tour_floor_make(const CellGraph *graph, int rooms, Arena *arena, TourFloor *out) {
     const Building *b = graph->building;
     Arena scratch = {0};
     *out = (TourFloor){.graph = graph};
@@ -309,10 +367,11 @@ void tour_floor_make(const CellGraph *graph, Arena *arena, TourFloor *out) {
         reach[count++] = box_grow(graph->object_boxes[i], BODY_RADIUS);
     }
     w.reach = box_tree_build(reach, count, &scratch);
+    if (rooms > 0 && b->region_count > 0) choose_rooms(out, rooms, arena);
     lay(out, arena);
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = vis_region(graph, c);
-        bool room = region->kind == REGION_ROOM;
+        bool room = region->kind == REGION_ROOM && may_enter(out, c);
         if (room && graph->cells[c].z1 - graph->cells[c].z0 >= BODY_LOWEST) seed_cell(&w, c);
     }
     keep_mutual(out);

@@ -34,10 +34,13 @@ typedef struct TourFloor {
     Vec2 origin;
     double apart;  // of neighbouring columns, metres: 0.1, more where the building is large
     int nx, ny, place_count, place_capacity, part_count;
-    int *part_size;  // [part_count] places
+    int *part_size;         // [part_count] places
+    unsigned char *chosen;  // [cell_count] the cells that the tour may enter; NULL: all
 } TourFloor;
 
-void tour_floor_make(const CellGraph *graph, Arena *arena, TourFloor *out);
+// `rooms`: the floors of at most so many rooms, those nearest to the start by the number of cells on the way, and of doorways and stairs
+// there; 0: of the whole building.
+void tour_floor_make(const CellGraph *graph, int rooms, Arena *arena, TourFloor *out);
 // The place nearest to `foot` in plan within two columns and at most a step higher or lower; -1: none.
 int tour_floor_at(const TourFloor *floor, Vec3 foot);
 

@@ -102,5 +102,9 @@ int *tour_rooms_find(const TourFloor *f, Arena *arena, TourRoute *out) {
         if (out->room_state[of[p]] == ROOM_SHUT) out->room_place[of[p]] = f->places[p].foot;
         out->room_state[of[p]] = ROOM_OPEN;
     }
+    for (int c = 0; c < graph->cell_count && f->chosen; c++) {
+        int r = room[graph->cells[c].region];
+        if (r >= 0 && !f->chosen[c] && out->room_state[r] == ROOM_SHUT) out->room_state[r] = ROOM_BEYOND;
+    }
     return of;
 }

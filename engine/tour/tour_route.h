@@ -20,8 +20,8 @@ typedef struct TourRoute {
     // Rooms: regions of one name that touch count as one. In a building without regions, pieces of floor some metres across.
     const char **room_name;  // [room_count] "" where it has none
     Vec3 *room_place;        // [room_count] a foot in it
-    // ROOM_SHUT: no body can stand in it, or only where there is no room to take a step.
-    enum { ROOM_SHUT, ROOM_OPEN, ROOM_ENTERED } * room_state;
+    // ROOM_SHUT: no body can stand in it, or only where there is no room to take a step. ROOM_BEYOND: it was not asked for.
+    enum { ROOM_SHUT, ROOM_OPEN, ROOM_ENTERED, ROOM_BEYOND } * room_state;
     int room_count;
     bool moved;  // the start of the building is in a place without a way out: the first leg is elsewhere
 } TourRoute;

@@ -52,7 +52,7 @@ Test(tour, knows_places_in_furniture) {
     TourFloor floor;
     int in_things = 0;
     walk_check_open_building(&w, "build/maps/house.plan");
-    tour_floor_make(&w.graph, &w.arena, &floor);
+    tour_floor_make(&w.graph, 0, &w.arena, &floor);
     for (int i = 0; i < floor.place_count; i++) {
         const FloorPlace *p = &floor.places[i];
         Vec3 eye = vec3(p->foot.x, p->foot.y, p->foot.z + (double)p->eye);
@@ -62,6 +62,34 @@ Test(tour, knows_places_in_furniture) {
         in_things += told;
     }
     cr_assert_gt(in_things, 100, "%d of %d places", in_things, floor.place_count);
+    arena_free(&w.arena);
+}
+
+// Proves that a tour of some rooms goes into those and no others: as many as asked for, the start's among them, each reached from
+// there through rooms that the tour enters, and all frames in them, in doorways and on stairs between.
+Test(tour, of_some_rooms) {
+    Walked w;
+    Error error;
+    walk_check_open_building(&w, "build/maps/office-plain.plan");
+    for (int rooms = 1; rooms <= 17; rooms += 8) {
+        TourOptions options = tour_default_options();
+        TourPath tour;
+        options.rooms = rooms;
+        cr_assert(tour_make(&w.graph, "auto", &options, &w.arena, &tour, &error), "%s", error.text);
+        unsigned char *seen = ARENA_ARRAY(&w.arena, unsigned char, w.building.region_count + 1);
+        int entered = 0;
+        for (int i = 0, cell = -1; i < tour.frame_count; i++) {
+            cell = vis_locate(&w.graph, tour.frames[i].eye, cell);
+            cr_assert_geq(cell, 0, "frame %d is outside", i);
+            if (vis_region(&w.graph, cell)->kind == REGION_ROOM) seen[w.graph.cells[cell].region] = 1;
+        }
+        for (int r = 0; r < w.building.region_count; r++) entered += seen[r];
+        cr_assert_eq(entered, rooms, "%d rooms of %d", entered, rooms);
+        cr_assert(tour.rooms_entered == rooms && tour.rooms_enterable == rooms && tour.note_count == 0,
+                  "%d of %d rooms, %d notes", tour.rooms_entered, tour.rooms_enterable, tour.note_count);
+        int start = vis_locate(&w.graph, w.building.start, -1);
+        cr_assert(seen[w.graph.cells[start].region], "the start's room is not among them");
+    }
     arena_free(&w.arena);
 }
 

@@ -3,10 +3,13 @@
 
 #include <string.h>
 
+#include "engine/core/memory.h"
 #include "engine/scene/door_state.h"
 
 // Options that lead to more elements than this are surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
+// The least memory of an element with its light, bytes: homes and offices take 1,300 to 3,700.
+static const double LEAST_BYTES = 1000;
 
 BakeOptions bake_default_options(void) {
     BakeOptions o = {
@@ -18,13 +21,21 @@ BakeOptions bake_default_options(void) {
     return o;
 }
 
-static bool check_size(const char *file, double side, const CellGraph *graph, Error *error) {
+// Of the whole building: where it is baked in parts, only some of it is in memory.
+static bool check_size(const char *file, double side, const CellGraph *graph, bool in_parts, Error *error) {
     double area = 0;
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
         area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
     }
-    if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
+    double elements = area / side / side + graph->polygon_count;
+    if (!in_parts && !memory_fits((size_t)(LEAST_BYTES * elements)))
+        return error_set(
+            error,
+            "%s: its light, about %.2g elements, takes more memory than there is for it, at least %.0f MB "
+            "(--memory MB allows more, bake --parts takes less)",
+            file, elements, LEAST_BYTES * elements / (1 << 20));
+    if (elements <= MOST_ELEMENTS) return true;
     return error_set(error,
                      "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
                      file, area, side, area / side / side, MOST_ELEMENTS);
@@ -63,7 +74,8 @@ bool bake_mesh(const BakeOptions *bake, const LoadedScene *scene, const char *re
     if (!scene_has_walls(scene, error) || !check_light(bake, scene, error)) return false;
     options.threads = bake->rad.threads;
     if (options.element == 0) options.element = mesh_fitting_element(graph);
-    if (!check_size(scene->building.source, options.element, graph, error)) return false;
+    if (!check_size(scene->building.source, options.element, graph, bake->member != NULL, error))
+        return false;
     *doors = door_state_drawn(&scene->building, arena);
     if (bake->doors && !door_state_apply(&scene->building, bake->doors, *doors, error)) return false;
     AdaptScene lit = {graph, &scene->forest, *doors, bake->member};

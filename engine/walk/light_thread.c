@@ -8,8 +8,9 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "engine/core/memory.h"
 #include "engine/core/parallel.h"
-#include "engine/draw/lit_states.h"
+#include "engine/lit/lit_states.h"
 #include "radiosity/shoot/ambient.h"
 
 // Seconds between states of the light: a few a second show the light arriving, and each costs a pass over the building.
@@ -47,9 +48,10 @@ struct LightThread {
     atomic_bool wanted, making;
     atomic_int lamps, lamps_done;  // LAMPS_KNOWN ..; thousandths
     LitStates *states;
-    WalkLight *base;      // of `states`
-    WalkLight *followed;  // the same if it follows the doors, to be ended; NULL
-    Arena asked;          // of the state asked for
+    WalkLight *base;       // of `states`
+    WalkLight *followed;   // the same if it follows the doors, to be ended; NULL
+    bool short_of_memory;  // of the thread's own
+    Arena asked;           // of the state asked for
 };
 
 // ---- in the bake's own thread
@@ -58,8 +60,10 @@ static bool note_progress(void *context, const char *stage, double done) {
     LightThread *t = context;
     (void)stage;
     bool whole = atomic_load(&t->end) != LIGHT_UNDER_WAY;
+    // The walk goes on without the light rather than end for lack of memory.
+    if (memory_runs_short()) t->short_of_memory = true;
     atomic_store(whole ? &t->lamps_done : &t->done, (int)(1000 * done));
-    return !atomic_load(&t->stop);
+    return !atomic_load(&t->stop) && !t->short_of_memory;
 }
 
 // Nobody is woken once the thread was told to stop: the walk may have ended.
@@ -242,6 +246,11 @@ static void *work(void *context) {
     setpriority(PRIO_PROCESS, 0, NICE);
     bool good = t->baker.bake(t->baker.context, &t->hooks, &t->arena, &light, &t->error);
     good = good && !atomic_load(&t->stop);
+    if (!good && t->short_of_memory)
+        error_set(
+            &t->error,
+            "no more light: it takes more memory than there is for it (--memory MB allows more, enfilade "
+            "bake --parts takes less)");
     bool shown = atomic_load(&t->end) != LIGHT_UNDER_WAY;
     if (good && !shown) show_whole(t, &light);
     // The light of all lamps is the sum of theirs from now on.

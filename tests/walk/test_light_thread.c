@@ -3,6 +3,7 @@
 #include <criterion/criterion.h>
 #include <stdatomic.h>
 
+#include "engine/core/memory.h"
 #include "engine/scene/light.h"
 #include "engine/walk/session_state.h"
 #include "tests/support/lamps_fixture.h"
@@ -64,6 +65,28 @@ static double next_state(LightThread *thread) {
         if (ended) return 0;
         light_thread_check_nap();
     }
+}
+
+// Proves that a bake in the background that leaves the walk too little memory is given up, with a sentence, and does not end the program:
+// a budget of which less than an eighth is left.
+Test(light_thread, gives_up_for_memory, .timeout = 60) {
+    Lit *lit = lit_rooms(5);
+    Arena arena = {0};
+    size_t used = memory_used();
+    MemoryBudget budget = {.file = "a.plan", .remedy = "none", .base = used + used / 8, .most = SIZE_MAX};
+    Puppet puppet = {.lit = lit, .endless = true, .fails = true};
+    LightThread *thread = begin(&puppet, &arena);
+    for (int i = 0; i < 20; i++) light_thread_check_nap();
+    cr_expect_eq(light_thread_end(thread), LIGHT_UNDER_WAY, "it was given up where there was memory");
+    memory_set_budget(&budget);
+    while (light_thread_end(thread) == LIGHT_UNDER_WAY) light_thread_check_nap();
+    cr_expect_eq(light_thread_end(thread), LIGHT_FAILED);
+    cr_expect(strstr(light_thread_note(thread), "takes more memory than there is for it"), "%s",
+              light_thread_note(thread));
+    memory_set_budget(NULL);
+    cr_assert(light_thread_free(thread, 30));
+    arena_free(&arena);
+    lit_free(lit);
 }
 
 // Proves that states arrive in order, that a walk which fetches none holds nothing up but the end, and that the last one is

@@ -35,7 +35,7 @@ layers := engine/core engine/team engine/gl maps/building maps/photometry maps/c
           maps/doom maps/quake maps/ifc maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show radiosity/planner engine/sim engine/tour \
-          engine/library engine/scene engine/shade engine/draw engine/overlay engine/display engine/walk engine/stills engine/app \
+          engine/library engine/scene engine/shade engine/lit engine/draw engine/overlay engine/display engine/walk engine/stills engine/app \
           engine/bench engine/bench/light
 # Clang tells of loops that it does not vectorise, under a sanitizer or with counters: that is no fault.
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-pass-failed

@@ -47,7 +47,7 @@ TABLE = [
     (r"engine/sim/(body|solid|obstacles)\.c",
      ["sums/walks", "@(solid|body|door_frames)/!(apartment|four_bedrooms|home_*|house|office)", "@(body|doors)/!(four_bedrooms|apartment|home_*)"]),
     (r"engine/sim/(doors|door_part|door_states)\.c", ["sums/walks", "@(doors|door_frames|leaves)/*", "wad/*"]),
-    (r"engine/draw/exposure\.c", ["exposure/!(tours*)", "exposure/*"]),
+    (r"engine/lit/exposure\.c", ["exposure/!(tours*)", "exposure/*"]),
 ]
 
 # Faults that the tests once let pass: name, file, text, what replaces it. The text occurs once in the file.
@@ -70,9 +70,9 @@ PLANTED = [
     ("a patch in half shade stands free", "radiosity/shoot/sky.c", "STANDS_FREE = 0.1;", "STANDS_FREE = 0.6;"),
     ("elements weigh 1/d", "radiosity/show/reconstruct.c", "1 / fmax(square, NEAREST), 0}", "1 / sqrt(fmax(square, NEAREST)), 0}"),
     ("more of the rest is laid on top", "radiosity/show/reconstruct.c", "MOST_REST = 0.2;", "MOST_REST = 0.9;"),
-    ("light weighs the exposure without its root", "engine/draw/exposure.c",
+    ("light weighs the exposure without its root", "engine/lit/exposure.c",
      "double weight = angle * sqrt(b);", "double weight = angle * b;"),
-    ("light does not weigh the exposure", "engine/draw/exposure.c",
+    ("light does not weigh the exposure", "engine/lit/exposure.c",
      "double weight = angle * sqrt(b);", "double weight = angle;"),
     ("what triangles have in common is no portal", "visibility/cells/portals.c", "if (count < 3) return;", "if (count <= 3) return;"),
     ("no limit of all entries", "maps/building/zip.c",

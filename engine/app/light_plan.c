@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "engine/core/draw.h"
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "visibility/prepare/figure.h"
 
 // Lines that may be drawn, lux; and percent of the light outdoors.

@@ -281,6 +281,7 @@ static bool see_mirror(Mirrors *m, const Mirror *mirror, const Camera *camera, c
                         .left = camera->width,
                         .top = camera->height,
                         .polygons = ahead,
+                        .leaf = mirror->leaf,
                         .share = mirror->share};
     for (int i = mirror->first; i < mirror->first + mirror->count; i++) {
         int object = m->object_of[i];

@@ -32,6 +32,7 @@ typedef struct MirrorView {
     Plane before;   // what is seen lies on its positive side, but for the mirror's own polygons
     int left, top, right, bottom;  // all pixels of the mirror lie in [left, right) x [top, bottom)
     const int *polygons;           // [polygon_count] of the graph: the mirror's own that the camera is before
+    int leaf;                      // with which they move, or -1
     const int *objects;            // [object_count] to draw, increasing
     const int *cells;  // [cell_count] that what is seen of the mirror touches: the view begins there
     int polygon_count, object_count, cell_count;

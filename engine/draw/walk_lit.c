@@ -4,7 +4,7 @@
 
 #include <glad/gl.h>
 
-#include "engine/draw/lit_leaf.h"
+#include "engine/lit/lit_leaf.h"
 #include "engine/draw/walk_mesh.h"
 
 enum { LIGHTS = 2 };

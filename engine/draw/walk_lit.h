@@ -3,7 +3,7 @@
 #ifndef WALK_LIT_H
 #define WALK_LIT_H
 
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 #include "engine/draw/walk_textures.h"
 
 typedef struct WalkLit WalkLit;

@@ -1,4 +1,4 @@
-// walk_mesh.c - one vertex buffer for both looks, and an index buffer written anew each frame: one draw call with the nearest polygons
+// walk_mesh.c - an index buffer written anew each frame over the vertices of walk_store.c: one draw call with the nearest polygons
 // first costs a software rasteriser far less than hundreds of calls in the order of the file.
 #include "engine/draw/walk_mesh.h"
 
@@ -6,16 +6,13 @@
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
-#include "engine/draw/lit_mesh.h"
-#include "engine/shade/walk_bake.h"
+#include "engine/lit/lit_mesh.h"
+#include "engine/draw/walk_store.h"
 
-typedef struct WalkVertex {
-    float position[3], normal[3];
-    uint8_t colour[4], emission[4];  // for the fine look; colour: square root of the reflectance, alpha
-    int16_t lamps[2];
-    Rgba8 front, back;  // for the fast look, as seen from either side; of a surface in usual light
-    float place[2];     // for surfaces: the place in the atlas
-} WalkVertex;
+// What is made ahead with one frame, points of light: a millisecond or two.
+enum { AHEAD_POINTS = 8000 };
+// The cells whose view is made ahead: that of the eye, and others around it.
+enum { AHEAD_CELLS = 16 };
 
 typedef struct Ordered {
     double distance;
@@ -27,199 +24,46 @@ struct WalkMesh {
     const WalkTextures *textures;
     Vec3 origin;
     WalkLights lights;
-    WalkBake *bake;
-    WalkAtlas atlas;                // its texels are in OpenGL's memory
-    int *first_vertex;              // [polygon_count + 1] in the vertex buffer
-    int *first_index;               // [polygon_count + 1] in `index`
-    unsigned *index;                // triangles of all polygons
-    Plane *plane;                   // [polygon_count]
+    WalkStore *store;
     unsigned char *has_glass;       // [object_count]
-    unsigned char *run;             // [polygon_count] as in walk_textures.h
-    unsigned char *runs;            // [object_count] bit i: some polygon is of run i
+    unsigned char *runs;            // [object_count] bit i: some polygon is of run i as in walk_textures.h
     const unsigned char *left_out;  // of the list being made
-    float *share;                   // [leaf_count] how far leaves are open; NAN before the first pose
-    WalkVertex *moved;              // room for the vertices of any one leaf, and for its corners
-    Vec3 *corners;
-    Ordered *order;                   // [object_count] of the list being made
-    unsigned *list;                   // the frame's indices, as uploaded
+    float *share;                   // [leaf_count] how far leaves are open
+    Ordered *order;                 // [order_capacity] of the list being made
+    int *chosen;                    // [chosen_capacity] the panes alone
+    unsigned *list;                 // [list_capacity] the frame's indices, as uploaded
+    float (*once)[3];               // [once_capacity] points drawn once
+    int order_capacity, list_capacity, chosen_capacity, once_capacity;
+    int *ahead;  // [ahead_count] the objects that may be seen from `ahead_cell` and around it
+    unsigned *cell_listed,
+        *object_listed;  // [cell_count], [object_count] the last list ahead in which each was
+    unsigned ahead_list;
+    int ahead_cell, ahead_count, ahead_capacity;
+    bool panes_alone;                 // so was the last list
     int end[WALK_PARTS * WALK_RUNS];  // in `list`: where each run of each part ends and the next begins
-    unsigned picture_buffer;          // 0: nothing has a picture
-    unsigned array, vertex_buffer, list_buffer, once_buffer, lamp_buffer, lamp_texture, atlas_texture;
+    Arena lists;
+    unsigned list_buffer, once_array, once_buffer, lamp_buffer, lamp_texture;
 };
 
 Vec3 walk_mesh_origin(const WalkMesh *mesh) { return mesh->origin; }
 
-// ---- vertices
-
-// Writes the vertices of a polygon whose corners are `v` at the moment.
-static void fill_polygon(const WalkMesh *mesh, int polygon, int object, const Vec3 *v, WalkVertex *out) {
-    const Polygon *p = &mesh->graph->polygons[polygon];
-    const Material *m = &mesh->graph->building->materials[p->material];
-    bool surface = mesh->graph->objects[object].kind == OBJECT_SURFACE;
-    Vec3 n = plane_of_polygon(v, p->vertex_count).n;
-    Rgb c = m->reflectance, glow = walk_glow(m);
-    WalkVertex vertex = {
-        .normal = {(float)n.x, (float)n.y, (float)n.z},
-        .colour = {walk_byte(sqrtf(c.r)), walk_byte(sqrtf(c.g)), walk_byte(sqrtf(c.b)), walk_byte(m->alpha)},
-        .emission = {walk_byte(glow.r), walk_byte(glow.g), walk_byte(glow.b),
-                     walk_outdoors(mesh->graph, &mesh->lights, object) ? 255 : 0},
-        .lamps = {(int16_t)mesh->lights.first[object], (int16_t)mesh->lights.count[object]}};
-    for (int i = 0; i < p->vertex_count; i++) {
-        Vec3 at = vec3_sub(v[i], mesh->origin);
-        out[i] = vertex;
-        out[i].position[0] = (float)at.x;
-        out[i].position[1] = (float)at.y;
-        out[i].position[2] = (float)at.z;
-        if (surface) {
-            Vec2 place = walk_bake_place(mesh->bake, &mesh->atlas, polygon, v[i]);
-            out[i].place[0] = (float)place.x;
-            out[i].place[1] = (float)place.y;
-        }
-        if (surface && m->alpha == 1) {
-            out[i].front = walk_bake_surface(mesh->bake, polygon);
-        } else {
-            out[i].front = walk_bake_point(mesh->bake, object, p->material, v[i], n);
-            out[i].back = walk_bake_point(mesh->bake, object, p->material, v[i], vec3_scale(n, -1));
-        }
-    }
-}
-
-static int object_vertices(const WalkMesh *mesh, int object) {
-    const Object *o = &mesh->graph->objects[object];
-    return mesh->first_vertex[o->first_polygon + o->polygon_count] - mesh->first_vertex[o->first_polygon];
-}
-
-static void move_leaf(WalkMesh *mesh, int object, double open) {
-    const CellGraph *graph = mesh->graph;
-    const Object *o = &graph->objects[object];
-    const Leaf *leaf = &graph->building->leaves[o->leaf];
-    int first = mesh->first_vertex[o->first_polygon];
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        const Polygon *polygon = &graph->polygons[p];
-        for (int i = 0; i < polygon->vertex_count; i++)
-            mesh->corners[i] = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
-        fill_polygon(mesh, p, object, mesh->corners, mesh->moved + (mesh->first_vertex[p] - first));
-    }
-    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof(WalkVertex)),
-                    (GLsizeiptr)((size_t)object_vertices(mesh, object) * sizeof(WalkVertex)), mesh->moved);
-}
-
 void walk_mesh_pose(WalkMesh *mesh, const float *door_open) {
     const Building *b = mesh->graph->building;
-    glBindBuffer(GL_ARRAY_BUFFER, mesh->vertex_buffer);
-    for (int o = 0; o < b->object_count; o++) {
-        int leaf = mesh->graph->objects[o].leaf;
-        if (leaf < 0) continue;
-        float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
-        if (mesh->share[leaf] != share) move_leaf(mesh, o, (double)share);
-    }
-    // Updated only now, because several objects may be parts of one leaf.
     for (int i = 0; i < b->leaf_count; i++) mesh->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
+    walk_store_pose(mesh->store, door_open);
 }
 
-// ---- upload
+// ---- set-up
 
-static void count_all(WalkMesh *mesh, Arena *arena) {
-    const CellGraph *graph = mesh->graph;
-    int vertices = 0, indices = 0, most = 0;
-    for (int p = 0; p < graph->polygon_count; p++) {
-        mesh->first_vertex[p] = vertices;
-        mesh->first_index[p] = indices;
-        vertices += graph->polygons[p].vertex_count;
-        indices += 3 * (graph->polygons[p].vertex_count - 2);
-    }
-    mesh->first_vertex[graph->polygon_count] = vertices;
-    mesh->first_index[graph->polygon_count] = indices;
-    for (int o = 0; o < graph->object_count; o++) {
-        if (graph->objects[o].leaf >= 0 && object_vertices(mesh, o) > most) most = object_vertices(mesh, o);
-    }
-    mesh->moved = ARENA_ARRAY(arena, WalkVertex, most + 1);
-    mesh->corners = ARENA_ARRAY(arena, Vec3, most + 1);
-    mesh->index = ARENA_ARRAY(arena, unsigned, indices + 1);
-    // Edges drawn as lines need two indices each.
-    mesh->list = ARENA_ARRAY(arena, unsigned, (indices > 2 * vertices ? indices : 2 * vertices) + 1);
-}
-
-static void fill_indices(WalkMesh *mesh) {
+static void describe_objects(WalkMesh *mesh) {
     const CellGraph *graph = mesh->graph;
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            const Polygon *polygon = &graph->polygons[p];
-            const Vec3 *v = graph->vertices + polygon->first_vertex;
-            int *triangle = (int *)(mesh->index + mesh->first_index[p]);
-            polygon_triangulate(v, polygon->vertex_count, triangle);
-            for (int k = 0; k < 3 * (polygon->vertex_count - 2); k++) triangle[k] += mesh->first_vertex[p];
-            mesh->plane[p] = plane_of_polygon(v, polygon->vertex_count);
             if (vis_is_glass(graph, p)) mesh->has_glass[o] = 1;
-            mesh->run[p] = (unsigned char)walk_textures_run(mesh->textures, polygon);
-            mesh->runs[o] |= (unsigned char)(1 << mesh->run[p]);
+            mesh->runs[o] |= (unsigned char)(1 << walk_textures_run(mesh->textures, &graph->polygons[p]));
         }
     }
-}
-
-static void describe_vertices(void) {
-    static const struct {
-        int size;
-        unsigned type;
-        size_t offset;
-    } FLOATS[] = {[0] = {3, GL_FLOAT, offsetof(WalkVertex, position)},
-                  [1] = {3, GL_FLOAT, offsetof(WalkVertex, normal)},
-                  [2] = {4, GL_UNSIGNED_BYTE, offsetof(WalkVertex, colour)},
-                  [3] = {4, GL_UNSIGNED_BYTE, offsetof(WalkVertex, emission)},
-                  [5] = {4, GL_UNSIGNED_BYTE, offsetof(WalkVertex, front)},
-                  [6] = {4, GL_UNSIGNED_BYTE, offsetof(WalkVertex, back)},
-                  [7] = {2, GL_FLOAT, offsetof(WalkVertex, place)}};
-    GLsizei stride = sizeof(WalkVertex);
-    for (unsigned i = 0; i < sizeof FLOATS / sizeof *FLOATS; i++) {
-        glEnableVertexAttribArray(i);
-        if (FLOATS[i].size == 0) continue;
-        bool normalized = FLOATS[i].type == GL_UNSIGNED_BYTE;
-        glVertexAttribPointer(i, FLOATS[i].size, FLOATS[i].type, normalized, stride,
-                              (const void *)FLOATS[i].offset);
-    }
-    glVertexAttribIPointer(4, 2, GL_SHORT, stride, (const void *)offsetof(WalkVertex, lamps));
-}
-
-static void upload_pictures(WalkMesh *mesh, Arena *scratch) {
-    const CellGraph *graph = mesh->graph;
-    if (walk_textures_runs(mesh->textures) == 1) return;
-    size_t count = (size_t)mesh->first_vertex[graph->polygon_count];
-    WalkPicture *picture = ARENA_ARRAY(scratch, WalkPicture, count + 1);
-    for (int p = 0; p < graph->polygon_count; p++) {
-        const Polygon *polygon = &graph->polygons[p];
-        const Vec3 *corners = graph->vertices + polygon->first_vertex;
-        walk_textures_place(mesh->textures, polygon, corners[0], corners, polygon->vertex_count,
-                            picture + mesh->first_vertex[p]);
-    }
-    glGenBuffers(1, &mesh->picture_buffer);
-    walk_textures_describe(mesh->picture_buffer);
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *picture), picture, GL_STATIC_DRAW);
-}
-
-static void upload_vertices(WalkMesh *mesh) {
-    const CellGraph *graph = mesh->graph;
-    Arena scratch = {0};
-    size_t count = (size_t)mesh->first_vertex[graph->polygon_count];
-    WalkVertex *vertex = ARENA_ARRAY(&scratch, WalkVertex, count + 1);
-#pragma omp parallel for schedule(dynamic, 8)
-    for (int o = 0; o < graph->object_count; o++) {
-        const Object *object = &graph->objects[o];
-        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            fill_polygon(mesh, p, o, graph->vertices + graph->polygons[p].first_vertex,
-                         vertex + mesh->first_vertex[p]);
-        }
-    }
-    glGenVertexArrays(1, &mesh->array);
-    glBindVertexArray(mesh->array);
-    glGenBuffers(1, &mesh->vertex_buffer);
-    glBindBuffer(GL_ARRAY_BUFFER, mesh->vertex_buffer);
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *vertex), vertex, GL_STATIC_DRAW);
-    describe_vertices();
-    upload_pictures(mesh, &scratch);
-    glGenBuffers(1, &mesh->list_buffer);
-    glGenBuffers(1, &mesh->once_buffer);
-    arena_free(&scratch);
 }
 
 static void upload_lamps(WalkMesh *mesh) {
@@ -233,67 +77,106 @@ static void upload_lamps(WalkMesh *mesh) {
     glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, mesh->lamp_buffer);
 }
 
-static bool upload_atlas(WalkMesh *mesh, Error *error) {
-    Arena scratch = {0};
-    int most = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    bool good = walk_bake_surfaces(mesh->bake, most, &scratch, &mesh->atlas, error);
-    if (good) {
-        glGenTextures(1, &mesh->atlas_texture);
-        glActiveTexture(GL_TEXTURE0 + WALK_UNIT_ATLAS);
-        glBindTexture(GL_TEXTURE_2D, mesh->atlas_texture);
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_R16F, mesh->atlas.width, mesh->atlas.height, 0, GL_RED, GL_FLOAT,
-                     mesh->atlas.texels);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    }
-    mesh->atlas.texels = NULL;
-    arena_free(&scratch);
-    return good;
+static void make_once(WalkMesh *mesh) {
+    glGenVertexArrays(1, &mesh->once_array);
+    glGenBuffers(1, &mesh->once_buffer);
+    glBindVertexArray(mesh->once_array);
+    glBindBuffer(GL_ARRAY_BUFFER, mesh->once_buffer);
+    glEnableVertexAttribArray(0);
+    glVertexAttribPointer(0, 3, GL_FLOAT, false, sizeof *mesh->once, NULL);
 }
 
-static bool upload(WalkMesh *mesh, Error *error) {
-    fill_indices(mesh);
-    if (!upload_atlas(mesh, error)) return false;
-    upload_lamps(mesh);
-    upload_vertices(mesh);
-    walk_mesh_pose(mesh, NULL);
-    return true;
-}
-
-WalkMesh *walk_mesh_new(const CellGraph *graph, const WalkTextures *textures, Arena *arena, Error *error) {
+WalkMesh *walk_mesh_new(const CellGraph *graph, const WalkTextures *textures, const WalkStoreLimits *limits,
+                        Arena *arena, Error *error) {
     WalkMesh *mesh = ARENA_ARRAY(arena, WalkMesh, 1);
     mesh->graph = graph;
     mesh->textures = textures;
     mesh->origin = lit_origin(graph);
     mesh->lights = walk_lights(graph, mesh->origin, arena);
-    mesh->bake = walk_bake_new(graph, &mesh->lights, mesh->origin, arena);
-    mesh->first_vertex = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    mesh->first_index = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    mesh->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
     mesh->has_glass = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1);
-    mesh->run = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
     mesh->runs = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1);
-    mesh->order = ARENA_ARRAY(arena, Ordered, graph->object_count + 1);
     mesh->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
-    for (int i = 0; i < graph->building->leaf_count; i++) mesh->share[i] = NAN;
-    count_all(mesh, arena);
-    if (upload(mesh, error)) return mesh;
-    walk_mesh_free(mesh);
-    return NULL;
+    mesh->ahead_cell = -1;
+    mesh->cell_listed = ARENA_ARRAY(arena, unsigned, graph->cell_count + 1);
+    mesh->object_listed = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
+    describe_objects(mesh);
+    mesh->store = walk_store_new(graph, textures, &mesh->lights, mesh->origin, limits, arena, error);
+    if (!mesh->store) return NULL;
+    walk_mesh_pose(mesh, NULL);
+    upload_lamps(mesh);
+    make_once(mesh);
+    glGenBuffers(1, &mesh->list_buffer);
+    return mesh;
 }
 
 void walk_mesh_free(WalkMesh *mesh) {
     if (!mesh) return;
-    unsigned buffers[] = {mesh->vertex_buffer, mesh->list_buffer, mesh->once_buffer, mesh->lamp_buffer,
-                          mesh->picture_buffer};
-    unsigned textures[] = {mesh->lamp_texture, mesh->atlas_texture};
-    glDeleteVertexArrays(1, &mesh->array);
-    glDeleteBuffers(5, buffers);
-    glDeleteTextures(2, textures);
+    unsigned buffers[] = {mesh->list_buffer, mesh->once_buffer, mesh->lamp_buffer};
+    glDeleteVertexArrays(1, &mesh->once_array);
+    glDeleteBuffers(3, buffers);
+    glDeleteTextures(1, &mesh->lamp_texture);
+    walk_store_free(mesh->store);
+    arena_free(&mesh->lists);
 }
+
+// ---- ahead
+
+// Has the mark been set since the list was begun? Sets it.
+static bool marked(const WalkMesh *mesh, unsigned *mark) {
+    bool before = *mark == mesh->ahead_list;
+    *mark = mesh->ahead_list;
+    return before;
+}
+
+static void add_ahead(WalkMesh *mesh, int object) {
+    if (!marked(mesh, &mesh->object_listed[object]))
+        *ARENA_APPEND(&mesh->lists, mesh->ahead, mesh->ahead_count, mesh->ahead_capacity) = object;
+}
+
+// Adds the objects in the cells that may be seen from a cell.
+static void add_seen(WalkMesh *mesh, const CellRows *seen, int cell, Arena *scratch) {
+    const CellGraph *graph = mesh->graph;
+    int *cells = ARENA_ARRAY(scratch, int, cell_rows_size(seen, cell) + 1);
+    int count = cell_rows_list(seen, cell, cells);
+    for (int i = 0; i < count; i++) {
+        if (marked(mesh, &mesh->cell_listed[cells[i]])) continue;
+        const SquareGrid *grid = &graph->grids[cells[i]];
+        for (int o = graph->surface_first[cells[i]]; o < graph->surface_first[cells[i] + 1]; o++)
+            add_ahead(mesh, o);
+        for (int k = graph->square_first[grid->first_square];
+             k < graph->square_first[grid->first_square + grid->nx * grid->ny]; k++)
+            add_ahead(mesh, graph->square_objects[k]);
+    }
+}
+
+// Lists the objects that may be seen from a cell, then those that may be seen from the cells around it, the nearest first by the number
+// of portals between: cells in doorways are passed within a few frames.
+static void list_ahead(WalkMesh *mesh, const CellRows *seen, int cell) {
+    const CellGraph *graph = mesh->graph;
+    Arena scratch = {0};
+    int near[AHEAD_CELLS] = {cell}, count = 1;
+    mesh->ahead_cell = cell;
+    mesh->ahead_count = 0;
+    mesh->ahead_list++;
+    for (int i = 0; i < count; i++) {
+        const Cell *c = &graph->cells[near[i]];
+        add_seen(mesh, seen, near[i], &scratch);
+        for (int k = c->first_way; k < c->first_way + c->way_count && count < AHEAD_CELLS; k++) {
+            bool known = false;
+            for (int n = 0; n < count; n++) known = known || near[n] == graph->ways[k].cell;
+            if (!known) near[count++] = graph->ways[k].cell;
+        }
+    }
+    arena_free(&scratch);
+}
+
+void walk_mesh_ahead(WalkMesh *mesh, const CellRows *seen, int cell) {
+    if (cell < 0 || mesh->panes_alone || walk_store_whole(mesh->store)) return;
+    if (cell != mesh->ahead_cell) list_ahead(mesh, seen, cell);
+    walk_store_hold_ahead(mesh->store, mesh->ahead, mesh->ahead_count, AHEAD_POINTS);
+}
+
+WalkStoreFigures walk_mesh_held(const WalkMesh *mesh) { return walk_store_figures(mesh->store); }
 
 // ---- draw lists
 
@@ -310,26 +193,33 @@ static double distance_to_box(Box box, Vec3 p) {
     return vec3_length(off);
 }
 
-static int mesh_polygon(WalkMesh *mesh, int polygon, int at) {
-    int first = mesh->first_index[polygon], count = mesh->first_index[polygon + 1] - first;
-    memcpy(mesh->list + at, mesh->index + first, (size_t)count * sizeof *mesh->list);
-    return at + count;
+static bool faces(const CellGraph *graph, const Polygon *p, Vec3 eye) {
+    return plane_distance(plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count), eye) > 0;
 }
 
 static int add_object(WalkMesh *mesh, int object, int part, int run, Vec3 eye, int at) {
-    const Object *o = &mesh->graph->objects[object];
+    const CellGraph *graph = mesh->graph;
+    const Object *o = &graph->objects[object];
     if (!(mesh->runs[object] & 1 << run)) return at;
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        if (mesh->run[p] != run || (mesh->left_out && mesh->left_out[p])) continue;
-        if (mesh->has_glass[object] && vis_is_glass(mesh->graph, p) != (part == WALK_PANES)) continue;
+    bool one_run = mesh->runs[object] == 1 << run;
+    const unsigned *triangles = walk_store_triangles(mesh->store, object);
+    int count = 0;
+    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++, triangles += count) {
+        const Polygon *polygon = &graph->polygons[p];
+        count = 3 * (polygon->vertex_count - 2);
+        if (!one_run && walk_textures_run(mesh->textures, polygon) != run) continue;
+        if (mesh->left_out && mesh->left_out[p]) continue;
+        if (mesh->has_glass[object] && vis_is_glass(graph, p) != (part == WALK_PANES)) continue;
         // Where two surfaces lie back to back, neither may hide the other: each is seen only from inside its own cell.
-        if (part == WALK_SURFACES && plane_distance(mesh->plane[p], eye) <= 0) continue;
-        at = mesh_polygon(mesh, p, at);
+        if (part == WALK_SURFACES && !faces(graph, polygon, eye)) continue;
+        memcpy(mesh->list + at, triangles, (size_t)count * sizeof *mesh->list);
+        at += count;
     }
     return at;
 }
 
-static int list_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int count, int at) {
+// Puts the objects of a part in the order in which they are drawn; returns how many.
+static int choose(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int count) {
     int chosen = 0;
     for (int i = 0; i < count; i++) {
         int o = objects[i];
@@ -342,30 +232,60 @@ static int list_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int
         mesh->order[chosen++] = (Ordered){distance, o};
     }
     qsort(mesh->order, (size_t)chosen, sizeof *mesh->order, by_distance);
-    for (int run = 0; run < WALK_RUNS; run++) {
-        for (int i = 0; i < chosen && run < walk_textures_runs(mesh->textures); i++)
-            at = add_object(mesh, mesh->order[i].object, part, run, eye, at);
-        mesh->end[part * WALK_RUNS + run] = at;
-    }
-    return at;
+    return chosen;
 }
 
-void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count, const unsigned char *left_out) {
+static int count_indices(const CellGraph *graph, const int *objects, int count) {
+    int indices = 0;
+    for (int i = 0; i < count; i++) {
+        const Object *o = &graph->objects[objects[i]];
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++)
+            indices += 3 * (graph->polygons[p].vertex_count - 2);
+    }
+    return indices;
+}
+
+static void make_room(WalkMesh *mesh, const int *objects, int count) {
+    int indices = count_indices(mesh->graph, objects, count);
+    if (count <= mesh->order_capacity && indices <= mesh->list_capacity) return;
+    mesh->order = arena_room(&mesh->lists, mesh->order, sizeof *mesh->order, 0, count, &mesh->order_capacity);
+    mesh->list = arena_room(&mesh->lists, mesh->list, sizeof *mesh->list, 0, indices, &mesh->list_capacity);
+}
+
+static void hold_chosen(WalkMesh *mesh, int count) {
+    mesh->chosen =
+        arena_room(&mesh->lists, mesh->chosen, sizeof *mesh->chosen, 0, count, &mesh->chosen_capacity);
+    for (int i = 0; i < count; i++) mesh->chosen[i] = mesh->order[i].object;
+    walk_store_hold(mesh->store, mesh->chosen, count);
+}
+
+void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count, const unsigned char *left_out,
+                    bool panes_alone) {
     int at = 0;
     mesh->left_out = left_out;
-    for (int part = 0; part < WALK_PARTS; part++) at = list_part(mesh, part, eye, objects, count, at);
-    glBindVertexArray(mesh->array);
+    mesh->panes_alone = panes_alone;
+    make_room(mesh, objects, count);
+    if (!panes_alone) walk_store_hold(mesh->store, objects, count);
+    for (int part = 0; part < WALK_PARTS; part++) {
+        int chosen = panes_alone && part != WALK_PANES ? 0 : choose(mesh, part, eye, objects, count);
+        if (panes_alone && part == WALK_PANES) hold_chosen(mesh, chosen);
+        for (int run = 0; run < WALK_RUNS; run++) {
+            for (int i = 0; i < chosen && run < walk_textures_runs(mesh->textures); i++)
+                at = add_object(mesh, mesh->order[i].object, part, run, eye, at);
+            mesh->end[part * WALK_RUNS + run] = at;
+        }
+    }
+    walk_store_bind(mesh->store);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)at * sizeof *mesh->list), mesh->list,
                  GL_STREAM_DRAW);
 }
 
 void walk_mesh_bind(const WalkMesh *mesh) {
-    glBindVertexArray(mesh->array);
+    walk_store_bind(mesh->store);
     glActiveTexture(GL_TEXTURE0 + WALK_UNIT_LAMPS);
     glBindTexture(GL_TEXTURE_BUFFER, mesh->lamp_texture);
-    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_ATLAS);
-    glBindTexture(GL_TEXTURE_2D, mesh->atlas_texture);
+    walk_store_bind_texels(mesh->store);
 }
 
 void walk_mesh_draw(const WalkMesh *mesh, int part, int run) {
@@ -373,38 +293,71 @@ void walk_mesh_draw(const WalkMesh *mesh, int part, int run) {
         to = run == WALK_ALL_RUNS ? from + WALK_RUNS - 1 : from;
     int first = from > 0 ? mesh->end[from - 1] : 0, count = mesh->end[to] - first;
     if (count == 0) return;
+    walk_store_bind(mesh->store);
     glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, (const void *)((size_t)first * sizeof *mesh->list));
 }
 
-// Draws the first `count` indices of mesh->list, beside the draw list that was uploaded.
-static void draw_once(const WalkMesh *mesh, int count, unsigned primitive) {
-    glBindVertexArray(mesh->array);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->once_buffer);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)count * sizeof *mesh->list), mesh->list,
-                 GL_STREAM_DRAW);
-    glDrawElements(primitive, count, GL_UNSIGNED_INT, NULL);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);
+// ---- points drawn once, by shaders that take nothing but their places
+
+static float (*once_room(WalkMesh *mesh, int count))[3] {
+    mesh->once = arena_room(&mesh->lists, mesh->once, sizeof *mesh->once, 0, count, &mesh->once_capacity);
+    return mesh->once;
 }
 
-void walk_mesh_draw_polygons(WalkMesh *mesh, const int *polygons, int count) {
-    int at = 0;
-    for (int i = 0; i < count; i++) at = mesh_polygon(mesh, polygons[i], at);
+static void draw_once(const WalkMesh *mesh, int count, unsigned primitive) {
+    glBindVertexArray(mesh->once_array);
+    glBindBuffer(GL_ARRAY_BUFFER, mesh->once_buffer);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)count * sizeof *mesh->once), mesh->once,
+                 GL_STREAM_DRAW);
+    glDrawArrays(primitive, 0, count);
+}
+
+// The place of a corner of a polygon, which moves with a leaf unless that is -1.
+static void put_corner(const WalkMesh *mesh, int leaf, int vertex, float out[3]) {
+    const CellGraph *graph = mesh->graph;
+    Vec3 v = graph->vertices[vertex];
+    if (leaf >= 0) v = leaf_point(&graph->building->leaves[leaf], (double)mesh->share[leaf], v);
+    v = vec3_sub(v, mesh->origin);
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+void walk_mesh_draw_polygons(WalkMesh *mesh, int leaf, const int *polygons, int count) {
+    const CellGraph *graph = mesh->graph;
+    Arena scratch = {0};
+    int most = 0, at = 0;
+    for (int i = 0; i < count; i++) most += 3 * (graph->polygons[polygons[i]].vertex_count - 2);
+    float(*out)[3] = once_room(mesh, most);
+    int *triangle = ARENA_ARRAY(&scratch, int, most + 1);
+    for (int i = 0; i < count; i++) {
+        const Polygon *p = &graph->polygons[polygons[i]];
+        polygon_triangulate(graph->vertices + p->first_vertex, p->vertex_count, triangle);
+        for (int k = 0; k < 3 * (p->vertex_count - 2); k++)
+            put_corner(mesh, leaf, p->first_vertex + triangle[k], out[at++]);
+    }
+    arena_free(&scratch);
     draw_once(mesh, at, GL_TRIANGLES);
 }
 
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count) {
     const CellGraph *graph = mesh->graph;
-    int count = 0;
+    int most = 0, at = 0;
+    for (int k = 0; k < object_count; k++) {
+        const Object *o = &graph->objects[objects[k]];
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++)
+            most += 2 * graph->polygons[p].vertex_count;
+    }
+    float(*out)[3] = once_room(mesh, most);
     for (int k = 0; k < object_count; k++) {
         const Object *o = &graph->objects[objects[k]];
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-            unsigned first = (unsigned)mesh->first_vertex[p],
-                     corners = (unsigned)graph->polygons[p].vertex_count;
-            for (unsigned i = 0; i < corners; i++) {
-                mesh->list[count++] = first + i;
-                mesh->list[count++] = first + (i + 1) % corners;
+            const Polygon *polygon = &graph->polygons[p];
+            for (int i = 0; i < polygon->vertex_count; i++) {
+                put_corner(mesh, o->leaf, polygon->first_vertex + i, out[at++]);
+                put_corner(mesh, o->leaf, polygon->first_vertex + (i + 1) % polygon->vertex_count, out[at++]);
             }
         }
     }
-    draw_once(mesh, count, GL_LINES);
+    draw_once(mesh, at, GL_LINES);
 }

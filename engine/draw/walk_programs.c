@@ -4,7 +4,7 @@
 #include <glad/gl.h>
 #include <math.h>
 
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "engine/draw/walk_mesh.h"
 #include "engine/draw/walk_shaders.h"
 #include "engine/gl/gl_context.h"

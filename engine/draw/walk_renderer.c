@@ -10,7 +10,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/vec.h"
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "engine/draw/smooth.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
@@ -107,12 +107,18 @@ static bool make_programs(WalkRenderer *w, const Building *b, Error *error) {
 }
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
+    WalkStoreLimits usual = walk_store_usual_limits();
+    return walk_renderer_new_limited(graph, &usual, arena, error);
+}
+
+WalkRenderer *walk_renderer_new_limited(const CellGraph *graph, const WalkStoreLimits *limits, Arena *arena,
+                                        Error *error) {
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
     w->software = gl_is_software();
     w->left_out = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
     w->textures = walk_textures_new(graph->building, arena, error);
     if (w->textures && make_programs(w, graph->building, error))
-        w->mesh = walk_mesh_new(graph, w->textures, arena, error);
+        w->mesh = walk_mesh_new(graph, w->textures, limits, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
     walk_renderer_free(w);
     return NULL;
@@ -180,6 +186,12 @@ void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
     walk_mesh_pose(w->mesh, door_open);
     if (w->lit) walk_lit_pose(w->lit, w->light, door_open);
 }
+
+void walk_renderer_ahead(WalkRenderer *w, const StabForest *forest, int cell) {
+    walk_mesh_ahead(w->mesh, &forest->seen, cell);
+}
+
+WalkStoreFigures walk_renderer_held(const WalkRenderer *w) { return walk_mesh_held(w->mesh); }
 
 // ---- the scene
 
@@ -269,7 +281,7 @@ static void clear_mirror(WalkRenderer *w) {
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthFunc(GL_ALWAYS);
     glDepthRange(1, 1);
-    walk_mesh_draw_polygons(w->mesh, m->polygons, m->polygon_count);
+    walk_mesh_draw_polygons(w->mesh, m->leaf, m->polygons, m->polygon_count);
     glDepthRange(0, 1);
     glDepthFunc(GL_LESS);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -377,7 +389,8 @@ static void draw_mirrors(const WalkRenderer *w, const Camera *camera) {
     for (int i = 0; i < w->mirror_count; i++) {
         use_texture(w->targets.texture[WALK_TARGET_MIRROR + i]);
         glUniform1f(program->share, w->mirrors[i].share);
-        walk_mesh_draw_polygons(w->mesh, w->mirrors[i].polygons, w->mirrors[i].polygon_count);
+        const MirrorView *m = &w->mirrors[i];
+        walk_mesh_draw_polygons(w->mesh, m->leaf, m->polygons, m->polygon_count);
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
     glDisable(GL_BLEND);
@@ -460,8 +473,8 @@ static bool draw_objects(WalkRenderer *w, const Camera *camera, const int *objec
                          WalkLook look, Error *error) {
     set_state();
     const unsigned char *left_out = w->inside ? w->left_out : NULL;
-    walk_mesh_list(w->mesh, camera->eye, objects, object_count, left_out);
     bool baked = look == WALK_BAKED && w->light, good;
+    walk_mesh_list(w->mesh, camera->eye, objects, object_count, left_out, baked);
     if (baked) {
         walk_lit_list(w->lit, camera->eye, objects, object_count, left_out);
         good = draw_baked(w, camera, error);

@@ -5,8 +5,9 @@
 #ifndef WALK_RENDERER_H
 #define WALK_RENDERER_H
 
-#include "engine/draw/exposure.h"
+#include "engine/lit/exposure.h"
 #include "engine/draw/mirrors.h"
+#include "engine/draw/walk_store.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/vis.h"
 
@@ -20,8 +21,11 @@ extern const char *const WALK_LOOK_NAMES[WALK_LOOKS];
 
 typedef struct WalkRenderer WalkRenderer;
 
-// Bakes the light of WALK_FAST and uploads all polygons of the graph, once.
+// Bakes the light of WALK_FAST and uploads all polygons of the graph; of a large building it does so for objects as they are seen.
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error);
+// With limits of one's own.
+WalkRenderer *walk_renderer_new_limited(const CellGraph *graph, const WalkStoreLimits *limits, Arena *arena,
+                                        Error *error);
 // Uploads the light that was baked for this graph, once, for WALK_BAKED.
 bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *arena, Error *error);
 // Light can also arrive while the building is shown: walk_renderer_expect takes the mesh of the light, then walk_renderer_take uploads
@@ -45,6 +49,12 @@ void walk_renderer_free(WalkRenderer *renderer);  // NULL is allowed
 // Puts the leaves of doors where `door_open` has them, as for vis_query; before the first call all are wide open.
 // Costs next to nothing when no door has moved since the last call.
 void walk_renderer_pose(WalkRenderer *renderer, const float *door_open);
+
+// After a frame: prepares a part of what may be seen from the cell `cell` of a large building (walk_mesh_ahead).
+void walk_renderer_ahead(WalkRenderer *renderer, const StabForest *forest, int cell);
+
+// For tests: what is in OpenGL's memory.
+WalkStoreFigures walk_renderer_held(const WalkRenderer *renderer);
 
 // The frames drawn from now on show these mirrors of the camera that they are drawn from (mirrors_look), which must stay valid. False
 // colours show none.

@@ -2,7 +2,7 @@
 #ifndef WALK_HUD_LEGEND_H
 #define WALK_HUD_LEGEND_H
 
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "engine/overlay/overlay.h"
 
 typedef struct HudLegend {

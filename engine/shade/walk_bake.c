@@ -8,21 +8,14 @@
 // surfaces that meet there have the same texels on both sides, so that no seam shows between them.
 #include "engine/shade/walk_bake.h"
 
-#include <stdlib.h>
-
 #include "engine/shade/walk_occlusion.h"
 #include "engine/shade/walk_shade.h"
 
 // The sides of texels, metres: indoors they show the occlusion of corners, outdoors that of houses.
 #define TEXEL_INDOORS 0.125
 #define TEXEL_OUTDOORS 0.5
-// A surface has at most so many texels each way, so that one row of the atlas holds several surfaces.
+// A surface has at most so many texels each way, so that one row of a texture holds several surfaces.
 #define TEXELS_MOST 512
-#define ATLAS_WIDTH 2048
-// All texels together: 2 MiB as halves, computed in a fifth of a second.
-#define TEXELS_BUDGET (1 << 20)
-// If they are still too many, texels grow until they are about this many times as large: by then each surface has its fewest, four.
-#define COARSENESS_MOST 100.0
 // The share of a lamp's strength that usually falls on a surface; and the least brightness on the screen that a surface counts as, so
 // that one can divide by the brightness of black surfaces.
 #define USUAL_LAMP 0.4f
@@ -30,23 +23,11 @@
 // The middles of the outermost texels lie at least this far outside a surface, in texels, so that rounding asks for no texel beyond them.
 #define TEXEL_MARGIN (1.0 / 16)
 
-// A surface's texels: texel (i, j) is at row + j, column + i; its middle is (first_u + i + 0.5, first_v + j + 0.5)
-// texel sides from the origin along the plane's two axes.
-typedef struct Patch {
-    Plane plane;
-    double side;
-    double first_u, first_v;
-    int column, row, width, height;
-} Patch;
-
 struct WalkBake {
     const CellGraph *graph;
     const WalkLights *lights;
     const WalkOcclusion *occlusion;
     Vec3 origin;
-    Patch *patches;  // [polygon_count - first_polygon] of surfaces
-    int *object;     // [polygon_count - first_polygon]
-    int first_polygon, patch_count;
 };
 
 // ---- light at a point
@@ -149,10 +130,11 @@ Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point
     return to_bytes(look_at(bake, object, m, point, n), m->alpha);
 }
 
-Rgba8 walk_bake_surface(const WalkBake *bake, int polygon) {
-    const Material *m = &bake->graph->building->materials[bake->graph->polygons[polygon].material];
-    int index = polygon - bake->first_polygon;
-    return to_bytes(usual_look(bake, bake->object[index], m, bake->patches[index].plane.n), 1);
+Rgba8 walk_bake_surface(const WalkBake *bake, int object, int polygon) {
+    const CellGraph *graph = bake->graph;
+    const Polygon *p = &graph->polygons[polygon];
+    Plane plane = plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count);
+    return to_bytes(usual_look(bake, object, &graph->building->materials[p->material], plane.n), 1);
 }
 
 // ---- layout
@@ -188,70 +170,62 @@ static int texels_to(double first, double y, double side) {
     return (int)(floor(y / side - 0.5 + TEXEL_MARGIN) - first) + 2;
 }
 
-static Patch make_patch(const WalkBake *bake, int polygon, double coarseness) {
+WalkTexels walk_bake_texels(const WalkBake *bake, int object, int polygon, double coarseness) {
     const Polygon *p = &bake->graph->polygons[polygon];
-    Patch patch = {.plane = plane_of_polygon(bake->graph->vertices + p->first_vertex, p->vertex_count)};
-    Extent e = extent_of(bake, polygon, axes_of(patch.plane));
-    bool outdoors = walk_outdoors(bake->graph, bake->lights, bake->object[polygon - bake->first_polygon]);
-    patch.side = coarseness * (outdoors ? TEXEL_OUTDOORS : TEXEL_INDOORS);
-    while (fmax(e.u1 - e.u0, e.v1 - e.v0) > patch.side * TEXELS_MOST) patch.side *= 2;
-    patch.first_u = first_texel(e.u0, patch.side);
-    patch.first_v = first_texel(e.v0, patch.side);
-    patch.width = texels_to(patch.first_u, e.u1, patch.side);
-    patch.height = texels_to(patch.first_v, e.v1, patch.side);
-    return patch;
+    WalkTexels t = {.plane = plane_of_polygon(bake->graph->vertices + p->first_vertex, p->vertex_count)};
+    Extent e = extent_of(bake, polygon, axes_of(t.plane));
+    bool outdoors = walk_outdoors(bake->graph, bake->lights, object);
+    t.side = coarseness * (outdoors ? TEXEL_OUTDOORS : TEXEL_INDOORS);
+    while (fmax(e.u1 - e.u0, e.v1 - e.v0) > t.side * TEXELS_MOST) t.side *= 2;
+    t.first_u = first_texel(e.u0, t.side);
+    t.first_v = first_texel(e.v0, t.side);
+    t.width = texels_to(t.first_u, e.u1, t.side);
+    t.height = texels_to(t.first_v, e.v1, t.side);
+    return t;
 }
 
-static int by_height(const void *p, const void *q) {
-    const Patch *const *a = p, *const *b = q;
-    if ((*a)->height != (*b)->height) return (*b)->height - (*a)->height;
-    return (*a > *b) - (*a < *b);
-}
-
-// Lays patches out in rows of like height, the highest first. Returns the height of all rows.
-static int place_patches(WalkBake *bake, Patch **order) {
-    for (int i = 0; i < bake->patch_count; i++) order[i] = &bake->patches[i];
-    qsort(order, (size_t)bake->patch_count, sizeof *order, by_height);
-    int row = 0, column = 0, height = 0;
-    for (int i = 0; i < bake->patch_count; i++) {
-        if (column + order[i]->width > ATLAS_WIDTH) {
-            row += height;
-            column = height = 0;
-        }
-        if (column == 0) height = order[i]->height;
-        order[i]->column = column;
-        order[i]->row = row;
-        column += order[i]->width;
-    }
-    return row + height;
-}
-
-static long make_patches(WalkBake *bake, double coarseness) {
+static long count_texels(const WalkBake *bake, double coarseness, long most) {
+    const CellGraph *graph = bake->graph;
     long texels = 0;
-    for (int i = 0; i < bake->patch_count; i++) {
-        bake->patches[i] = make_patch(bake, bake->first_polygon + i, coarseness);
-        texels += (long)bake->patches[i].width * bake->patches[i].height;
+    for (int o = graph->surface_first[0]; o < graph->surface_first[graph->cell_count] && texels <= most;
+         o++) {
+        const Object *object = &graph->objects[o];
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+            WalkTexels t = walk_bake_texels(bake, o, p, coarseness);
+            texels += (long)t.width * t.height;
+        }
     }
     return texels;
 }
 
-static void fill_patch(const WalkBake *bake, int index, const WalkAtlas *atlas) {
-    const Patch *patch = &bake->patches[index];
-    Axes axes = axes_of(patch->plane);
-    Vec3 n = patch->plane.n;
+double walk_bake_coarseness(const WalkBake *bake, long most) {
+    double coarseness = 1;
+    while (count_texels(bake, coarseness, most) > most && coarseness < WALK_COARSENESS_MOST)
+        coarseness *= WALK_COARSENESS_STEP;
+    return coarseness;
+}
+
+void walk_bake_fill(const WalkBake *bake, int object, int polygon, const WalkTexels *t, float *out,
+                    size_t row) {
+    Axes axes = axes_of(t->plane);
+    Vec3 n = t->plane.n;
     // The point of the plane nearest to the origin, from which u and v lead to any other point of the plane.
-    Vec3 foot = vec3_sub(bake->origin, vec3_scale(n, plane_distance(patch->plane, bake->origin)));
-    const Material *m =
-        &bake->graph->building->materials[bake->graph->polygons[bake->first_polygon + index].material];
-    float usual = fmaxf(brightness(usual_look(bake, bake->object[index], m, n)), DARKEST);
-    for (int j = 0; j < patch->height; j++) {
-        Vec3 start = vec3_add(foot, vec3_scale(axes.v, (patch->first_v + j + 0.5) * patch->side));
-        float *row = atlas->texels + (size_t)(patch->row + j) * (size_t)atlas->width + patch->column;
-        for (int i = 0; i < patch->width; i++) {
-            Vec3 at = vec3_add(start, vec3_scale(axes.u, (patch->first_u + i + 0.5) * patch->side));
-            row[i] = brightness(look_at(bake, bake->object[index], m, at, n)) / usual;
+    Vec3 foot = vec3_sub(bake->origin, vec3_scale(n, plane_distance(t->plane, bake->origin)));
+    const Material *m = &bake->graph->building->materials[bake->graph->polygons[polygon].material];
+    float usual = fmaxf(brightness(usual_look(bake, object, m, n)), DARKEST);
+    for (int j = 0; j < t->height; j++) {
+        Vec3 start = vec3_add(foot, vec3_scale(axes.v, (t->first_v + j + 0.5) * t->side));
+        for (int i = 0; i < t->width; i++) {
+            Vec3 at = vec3_add(start, vec3_scale(axes.u, (t->first_u + i + 0.5) * t->side));
+            out[(size_t)j * row + (size_t)i] = brightness(look_at(bake, object, m, at, n)) / usual;
         }
     }
+}
+
+Vec2 walk_bake_place(const WalkBake *bake, const WalkTexels *t, Vec3 point) {
+    Axes axes = axes_of(t->plane);
+    Vec3 at = vec3_sub(point, bake->origin);
+    return vec2(vec3_dot(axes.u, at) / t->side - t->first_u, vec3_dot(axes.v, at) / t->side - t->first_v);
 }
 
 // ---- interface
@@ -262,42 +236,5 @@ WalkBake *walk_bake_new(const CellGraph *graph, const WalkLights *lights, Vec3 o
     bake->lights = lights;
     bake->origin = origin;
     bake->occlusion = walk_occlusion_new(graph, arena);
-    int first = graph->surface_first[0], end = graph->surface_first[graph->cell_count];
-    bake->first_polygon =
-        first < graph->object_count ? graph->objects[first].first_polygon : graph->polygon_count;
-    bake->object = ARENA_ARRAY(arena, int, graph->polygon_count - bake->first_polygon + 1);
-    for (int o = first; o < end; o++) {
-        for (int i = 0; i < graph->objects[o].polygon_count; i++) bake->object[bake->patch_count++] = o;
-    }
-    bake->patches = ARENA_ARRAY(arena, Patch, bake->patch_count + 1);
     return bake;
-}
-
-bool walk_bake_surfaces(WalkBake *bake, int max_side, Arena *arena, WalkAtlas *out, Error *error) {
-    Arena scratch = {0};
-    Patch **order = ARENA_ARRAY(&scratch, Patch *, bake->patch_count + 1);
-    double coarseness = 1;
-    while (make_patches(bake, coarseness) > TEXELS_BUDGET && coarseness < COARSENESS_MOST) coarseness *= 1.5;
-    *out = (WalkAtlas){.width = ATLAS_WIDTH, .height = place_patches(bake, order) + 1};
-    bool good = out->height <= max_side && out->width <= max_side;
-    if (good) {
-        out->texels = ARENA_ARRAY(arena, float, (size_t)out->width *(size_t)out->height);
-#pragma omp parallel for schedule(dynamic, 16)
-        for (int i = 0; i < bake->patch_count; i++) fill_patch(bake, i, out);
-    } else {
-        error_set(error,
-                  "the light of %d surfaces takes a texture of %d x %d texels (OpenGL has up to %d each)",
-                  bake->patch_count, out->width, out->height, max_side);
-    }
-    arena_free(&scratch);
-    return good;
-}
-
-Vec2 walk_bake_place(const WalkBake *bake, const WalkAtlas *atlas, int polygon, Vec3 corner) {
-    const Patch *patch = &bake->patches[polygon - bake->first_polygon];
-    Axes axes = axes_of(patch->plane);
-    Vec3 at = vec3_sub(corner, bake->origin);
-    double u = vec3_dot(axes.u, at) / patch->side - patch->first_u,
-           v = vec3_dot(axes.v, at) / patch->side - patch->first_v;
-    return vec2((patch->column + u) / atlas->width, (patch->row + v) / atlas->height);
 }

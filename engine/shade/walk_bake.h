@@ -1,4 +1,4 @@
-// walk_bake.h - light computed beforehand: on walls, floors and ceilings as texels of one texture, on other polygons at
+// walk_bake.h - light computed before it is drawn: on walls, floors and ceilings as texels of a texture, on other polygons at
 // their corners. Results are ready for the screen: sRGB, with the surface's own colour.
 #ifndef WALK_BAKE_H
 #define WALK_BAKE_H
@@ -27,18 +27,28 @@ WalkBake *walk_bake_new(const CellGraph *graph, const WalkLights *lights, Vec3 o
 // The colour of a point of an object, seen from the side to which n points (unit). Alpha is the material's.
 Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point, Vec3 n);
 
-// The texels of the cells' surfaces, in one texture.
-typedef struct WalkAtlas {
-    float *texels;  // [height * width] 1: as bright as in usual light
+// The texels of a polygon of a cell's surface: texel (i, j) is i from the left and j rows down; its middle is (first_u + i + 0.5,
+// first_v + j + 0.5) texel sides from the origin along the two axes of the polygon's plane. They reach past the polygon's edge.
+typedef struct WalkTexels {
+    Plane plane;
+    double side;  // of a texel, metres
+    double first_u, first_v;
     int width, height;
-} WalkAtlas;
+} WalkTexels;
 
-// Lays out and computes the texels on all cores; a large building gets coarser texels. False where they do not fit into a texture of
-// `max_side` texels each way.
-bool walk_bake_surfaces(WalkBake *bake, int max_side, Arena *arena, WalkAtlas *out, Error *error);
-// The colour of a surface in usual light, after walk_bake_surfaces. The colour on the screen is this colour times the texel.
-Rgba8 walk_bake_surface(const WalkBake *bake, int polygon);
-// The place of a surface's corner in the atlas, 0 .. 1 each way.
-Vec2 walk_bake_place(const WalkBake *bake, const WalkAtlas *atlas, int polygon, Vec3 corner);
+// Lays the texels out; `coarseness`, 1 or more, is by how much their sides are longer than usual.
+WalkTexels walk_bake_texels(const WalkBake *bake, int object, int polygon, double coarseness);
+// The least coarseness, in steps, at which all surfaces together have at most `most` texels; at most WALK_COARSENESS_MOST.
+double walk_bake_coarseness(const WalkBake *bake, long most);
+// By then each surface has its fewest texels.
+#define WALK_COARSENESS_MOST 100.0
+#define WALK_COARSENESS_STEP 1.5
+// Computes the texels; 1: as bright as in usual light. Rows of `out` begin `row` floats apart. Any number of threads may call it.
+void walk_bake_fill(const WalkBake *bake, int object, int polygon, const WalkTexels *texels, float *out,
+                    size_t row);
+// The colour of a surface in usual light. The colour on the screen is this colour times the texel.
+Rgba8 walk_bake_surface(const WalkBake *bake, int object, int polygon);
+// The place of a point of the polygon, in texels from the left and from the first row.
+Vec2 walk_bake_place(const WalkBake *bake, const WalkTexels *texels, Vec3 point);
 
 #endif

@@ -77,14 +77,6 @@ static void add_lamp(RoomLamps *room, Vec3 position, Rgb flux) {
     nearest->flux = (Rgb){nearest->flux.r + flux.r, nearest->flux.g + flux.g, nearest->flux.b + flux.b};
 }
 
-// Is the object in the building's own list of lights? It is then a lamp's glowing shade, which is no second lamp.
-static bool has_light(const Building *b, int object) {
-    for (int i = 0; i < b->light_count; i++) {
-        if (b->lights[i].object == object) return true;
-    }
-    return false;
-}
-
 static void add_emitters(const CellGraph *graph, int object, const int *region, RoomLamps *rooms) {
     const Building *b = graph->building;
     const Object *o = &graph->objects[object];
@@ -111,8 +103,13 @@ static RoomLamps *find_lamps(const CellGraph *graph, const int *region, Arena *s
         int in = lamp_region(graph, b->lights[i].position);
         if (in >= 0) add_lamp(&rooms[in], b->lights[i].position, b->lights[i].flux);
     }
+    // An object in the building's own list of lights is a lamp's glowing shade, which is no second lamp.
+    bool *has_light = ARENA_ARRAY(scratch, bool, graph->object_count + 1);
+    for (int i = 0; i < b->light_count; i++) {
+        if (b->lights[i].object >= 0) has_light[b->lights[i].object] = true;
+    }
     for (int o = 0; o < graph->object_count; o++) {
-        if (!has_light(b, o)) add_emitters(graph, o, region, rooms);
+        if (!has_light[o]) add_emitters(graph, o, region, rooms);
     }
     return rooms;
 }

@@ -12,7 +12,7 @@
 #define OCCLUDER_LEAST 0.05
 // Squares of the plan are no smaller than this, metres, and there are at most so many of them each way.
 #define SQUARE_LEAST 1.0
-#define SQUARES_MOST 256
+#define SQUARES_MOST 512
 
 // Furniture does not fill its box: it blocks this share of the light that a wall would block.
 #define FURNITURE_BLOCKS 0.6
@@ -47,7 +47,7 @@ static void add_box(WalkOcclusion *occlusion, Arena *arena, int object) {
     Vec2 x = vec2_sub(corner[1], corner[0]), y = vec2_sub(corner[3], corner[0]);
     double width = vec2_length(x), depth = vec2_length(y), height = o->proxy->z1 - o->proxy->z0;
     if (height < OCCLUDER_LEAST || width <= 0 || fmin(width, depth) > OCCLUDER_MOST) return;
-    *ARENA_PUSH(arena, occlusion->occluders, occlusion->count, occlusion->capacity) =
+    *ARENA_APPEND(arena, occlusion->occluders, occlusion->count, occlusion->capacity) =
         (Occluder){vec2_scale(vec2_add(corner[0], corner[2]), 0.5),
                    vec2_scale(x, 1 / width),
                    width / 2,
@@ -74,7 +74,7 @@ static void add_wall(WalkOcclusion *occlusion, Arena *arena, int object) {
         z1 = fmax(z1, v[i].z);
     }
     Vec2 on_plane = vec2(plane.n.x * plane.d, plane.n.y * plane.d);
-    *ARENA_PUSH(arena, occlusion->occluders, occlusion->count, occlusion->capacity) =
+    *ARENA_APPEND(arena, occlusion->occluders, occlusion->count, occlusion->capacity) =
         (Occluder){vec2_add(on_plane, vec2_scale(along, (low + high) / 2)),
                    along,
                    (high - low) / 2,
@@ -92,6 +92,8 @@ static void add_occluders(WalkOcclusion *occlusion, Arena *arena) {
         // Stairs are left out: their box is mostly air.
         if (kind == OBJECT_FURNITURE || kind == OBJECT_LOW_WALL) add_box(occlusion, arena, o);
     }
+    occlusion->occluders = arena_fit(arena, occlusion->occluders, sizeof *occlusion->occluders,
+                                     occlusion->count, occlusion->capacity);
 }
 
 // ---- squares of the plan

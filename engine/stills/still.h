@@ -2,7 +2,7 @@
 #ifndef STILLS_STILL_H
 #define STILLS_STILL_H
 
-#include "engine/draw/exposure.h"
+#include "engine/lit/exposure.h"
 #include "engine/scene/walk_light.h"
 #include "engine/stills/whitted.h"
 

@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "engine/shade/walk_shade.h"
 #include "radiosity/factors/lamp_spread.h"
 #include "radiosity/show/gather.h"

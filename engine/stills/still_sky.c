@@ -1,7 +1,7 @@
 // still_sky.c - the sky of stills.
 #include "engine/stills/still_sky.h"
 
-#include "engine/draw/exposure.h"
+#include "engine/lit/exposure.h"
 #include "engine/shade/walk_shade.h"
 
 static double smooth_step(double low, double high, double x) {

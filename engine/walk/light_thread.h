@@ -3,7 +3,7 @@
 #ifndef WALK_LIGHT_THREAD_H
 #define WALK_LIGHT_THREAD_H
 
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 #include "engine/scene/light.h"
 
 typedef struct LightThread LightThread;

@@ -123,6 +123,7 @@ bool session_draw(Session *s, int width, int height, double scale, Error *error)
     if (s->picture_wanted) session_write_picture(s, width, height);
     walk_renderer_finish();
     measure_frame(s, start);
+    walk_renderer_ahead(renderer, s->shown->scene.forest, p->cell);
     session_note_seen(s, width, height, scale);
     return true;
 }

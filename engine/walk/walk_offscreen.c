@@ -40,6 +40,7 @@ typedef struct Frame {
 
 typedef struct Walk {
     const CellGraph *graph;
+    const StabForest *forest;
     const WalkOptions *options;
     Arena *arena;
     WalkTotals *totals;
@@ -183,6 +184,7 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
     walk_renderer_finish();
     out->query_seconds = asked - start;
     out->draw_seconds = clock_seconds() - asked;
+    walk_renderer_ahead(w->renderer, w->forest, w->cell);
     return true;
 }
 
@@ -329,6 +331,7 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
     out->notes = path.notes;
     out->note_count = path.note_count;
     Walk w = {.graph = graph,
+              .forest = forest,
               .options = options,
               .arena = arena,
               .totals = out,

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "engine/core/random.h"
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 
 // Proves each quantity on a surface of known light: B = E + rho H.
 Test(false_colour, values_are_those_of_the_light) {

@@ -1,7 +1,7 @@
 // test_lit_leaf.c - leaves that stand elsewhere than they were baked: their light there, and where it was baked.
 #include <criterion/criterion.h>
 
-#include "engine/draw/lit_leaf.h"
+#include "engine/lit/lit_leaf.h"
 #include "maps/maps.h"
 #include "radiosity/shoot/shoot.h"
 #include "visibility/vis.h"

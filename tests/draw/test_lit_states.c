@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "engine/core/random.h"
-#include "engine/draw/lit_states.h"
+#include "engine/lit/lit_states.h"
 #include "tests/support/lamps_fixture.h"
 #include "tests/support/support.h"
 

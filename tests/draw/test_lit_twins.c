@@ -1,7 +1,7 @@
 // test_lit_twins.c - of faces in one place that look the same way all but the lowest are set back, and no others.
 #include <criterion/criterion.h>
 
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 #include "tests/support/lit_fixture.h"
 
 static void top(Lit *lit, double x, double y, double side, double z) {

@@ -6,7 +6,7 @@
 #include "engine/core/draw.h"
 #include "engine/core/file.h"
 #include "engine/core/parallel.h"
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "engine/draw/image.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/truth/path_tracer.h"

@@ -3,7 +3,7 @@
 // too bright; by solid angle and all of their light, the spot above a lamp would make it too dark. By day an eye in a room adapts to rooms:
 // a sunny garden behind a window would make them too dark.
 // The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
-#include "engine/draw/exposure.h"
+#include "engine/lit/exposure.h"
 
 #include "engine/shade/walk_shade.h"
 

@@ -1,6 +1,6 @@
 // false_colour.c - the colour map is a straight line in lightness and hue at one chroma in Oklab (B. Ottosson, A perceptual
 // color space for image processing, 2020), from dark violet by blue and green to pale yellow.
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 // lit_mesh.c - elements become triangles with every vertex of their neighbours, so that no crack shows between them.
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 // lit_leaf.c - the irradiance in front of each side of a leaf as an ambient cube (McTaggart 2004): one value for each of six
 // directions, the mean of the irradiances of the surfaces of the room that face that way, the nearest counting most. No shadows: of a
 // leaf against a wall the side that nobody sees is too bright.
-#include "engine/draw/lit_leaf.h"
+#include "engine/lit/lit_leaf.h"
 
 #include "visibility/vis.h"
 

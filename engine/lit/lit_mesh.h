@@ -3,7 +3,7 @@
 #ifndef WALK_LIT_MESH_H
 #define WALK_LIT_MESH_H
 
-#include "engine/draw/false_colour.h"
+#include "engine/lit/false_colour.h"
 #include "engine/scene/walk_light.h"
 
 typedef struct LitVertex {

@@ -2,7 +2,7 @@
 #ifndef WALK_LIT_LEAF_H
 #define WALK_LIT_LEAF_H
 
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 
 // The radiosity of each vertex of a leaf whose door is open by the share `open`, W/m^2 into `out`, in the order of the object's
 // vertices. Where the leaf stands as it was baked, that is its baked light; from a tenth of a metre away the light of the room on either

@@ -1,6 +1,6 @@
 // lit_states.c - the light as it came, and what lamps that were switched since add to it. What a lamp gives is kept as floats: where the
 // strongest lamp goes out, what is left is a difference.
-#include "engine/draw/lit_states.h"
+#include "engine/lit/lit_states.h"
 
 #include <string.h>
 

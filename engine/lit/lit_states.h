@@ -2,7 +2,7 @@
 #ifndef WALK_LIT_STATES_H
 #define WALK_LIT_STATES_H
 
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 #include "engine/scene/light.h"
 
 typedef struct LitStates LitStates;

@@ -2,7 +2,7 @@
 #ifndef WALK_EXPOSURE_H
 #define WALK_EXPOSURE_H
 
-#include "engine/draw/lit_mesh.h"
+#include "engine/lit/lit_mesh.h"
 #include "visibility/hidden/hidden.h"
 
 typedef struct Exposure {

@@ -230,6 +230,8 @@ static int check(const Arguments *a) {
                           "walk: --view, --trace and --full-screen are for the window, not --offscreen");
     if (a->off_screen ? a->no_bake : a->bake)
         return app_misuse("walk", "walk: --bake is for --offscreen, --no-bake for the window");
+    if (a->walk.path.rooms > 0 && (a->walk.replay || !a->off_screen || strcmp(a->walk.tour, "auto") != 0))
+        return app_misuse("walk", "walk: --rooms is for the tour `auto`, off-screen");
     if (day_asks(&a->load.day) && a->walk.verify)
         return app_misuse("walk", "walk: %s is not for --verify, which shows no light",
                           day_asks_sky(&a->load.day) ? "--sky" : "daylight");

@@ -4,8 +4,8 @@
 
 #include <glad/gl.h>
 
-#include "engine/lit/lit_leaf.h"
 #include "engine/draw/walk_mesh.h"
+#include "engine/lit/lit_leaf.h"
 
 enum { LIGHTS = 2 };
 

@@ -3,8 +3,8 @@
 #ifndef WALK_LIT_H
 #define WALK_LIT_H
 
-#include "engine/lit/lit_mesh.h"
 #include "engine/draw/walk_textures.h"
+#include "engine/lit/lit_mesh.h"
 
 typedef struct WalkLit WalkLit;
 

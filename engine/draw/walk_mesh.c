@@ -6,13 +6,15 @@
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
-#include "engine/lit/lit_mesh.h"
 #include "engine/draw/walk_store.h"
+#include "engine/lit/lit_mesh.h"
 
-// What is made ahead with one frame, points of light: a millisecond or two.
+// Points of light made ahead with one frame: a millisecond or two.
 enum { AHEAD_POINTS = 8000 };
 // The cells whose view is made ahead: that of the eye, and others around it.
 enum { AHEAD_CELLS = 16 };
+// The points of edges drawn at a time, an even number: the edges of all hidden objects may be those of a whole campus.
+enum { EDGE_POINTS = 1 << 16 };
 
 typedef struct Ordered {
     double distance;
@@ -219,7 +221,7 @@ static int add_object(WalkMesh *mesh, int object, int part, int run, Vec3 eye, i
 }
 
 // Puts the objects of a part in the order in which they are drawn; returns how many.
-static int choose(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int count) {
+static int order_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int count) {
     int chosen = 0;
     for (int i = 0; i < count; i++) {
         int o = objects[i];
@@ -245,7 +247,7 @@ static int count_indices(const CellGraph *graph, const int *objects, int count) 
     return indices;
 }
 
-static void make_room(WalkMesh *mesh, const int *objects, int count) {
+static void fit_lists(WalkMesh *mesh, const int *objects, int count) {
     int indices = count_indices(mesh->graph, objects, count);
     if (count <= mesh->order_capacity && indices <= mesh->list_capacity) return;
     mesh->order = arena_room(&mesh->lists, mesh->order, sizeof *mesh->order, 0, count, &mesh->order_capacity);
@@ -264,10 +266,10 @@ void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count, con
     int at = 0;
     mesh->left_out = left_out;
     mesh->panes_alone = panes_alone;
-    make_room(mesh, objects, count);
+    fit_lists(mesh, objects, count);
     if (!panes_alone) walk_store_hold(mesh->store, objects, count);
     for (int part = 0; part < WALK_PARTS; part++) {
-        int chosen = panes_alone && part != WALK_PANES ? 0 : choose(mesh, part, eye, objects, count);
+        int chosen = panes_alone && part != WALK_PANES ? 0 : order_part(mesh, part, eye, objects, count);
         if (panes_alone && part == WALK_PANES) hold_chosen(mesh, chosen);
         for (int run = 0; run < WALK_RUNS; run++) {
             for (int i = 0; i < chosen && run < walk_textures_runs(mesh->textures); i++)
@@ -342,13 +344,8 @@ void walk_mesh_draw_polygons(WalkMesh *mesh, int leaf, const int *polygons, int 
 
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count) {
     const CellGraph *graph = mesh->graph;
-    int most = 0, at = 0;
-    for (int k = 0; k < object_count; k++) {
-        const Object *o = &graph->objects[objects[k]];
-        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++)
-            most += 2 * graph->polygons[p].vertex_count;
-    }
-    float(*out)[3] = once_room(mesh, most);
+    int at = 0;
+    float(*out)[3] = once_room(mesh, EDGE_POINTS);
     for (int k = 0; k < object_count; k++) {
         const Object *o = &graph->objects[objects[k]];
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
@@ -356,6 +353,7 @@ void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count) 
             for (int i = 0; i < polygon->vertex_count; i++) {
                 put_corner(mesh, o->leaf, polygon->first_vertex + i, out[at++]);
                 put_corner(mesh, o->leaf, polygon->first_vertex + (i + 1) % polygon->vertex_count, out[at++]);
+                if (at == EDGE_POINTS) draw_once(mesh, at, GL_LINES), at = 0;
             }
         }
     }

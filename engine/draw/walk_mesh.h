@@ -15,8 +15,8 @@ void walk_mesh_free(WalkMesh *mesh);  // NULL is allowed
 // Positions are relative to this point: floats stay exact enough far from the building's own origin.
 Vec3 walk_mesh_origin(const WalkMesh *mesh);
 
-// Puts the leaves of doors where `door_open` has them, as for vis_query; at first all are wide open. A leaf that has moved is made anew when
-// it is listed next.
+// Puts the leaves of doors where `door_open` has them, as for vis_query; at first all are wide open. A leaf that has moved is made anew
+// when it is listed next.
 void walk_mesh_pose(WalkMesh *mesh, const float *door_open);
 
 // Makes a part of what may be seen from this cell and is not in OpenGL's memory yet, `seen` of its StabForest: a few milliseconds of work

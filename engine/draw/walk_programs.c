@@ -4,10 +4,10 @@
 #include <glad/gl.h>
 #include <math.h>
 
-#include "engine/lit/false_colour.h"
 #include "engine/draw/walk_mesh.h"
 #include "engine/draw/walk_shaders.h"
 #include "engine/gl/gl_context.h"
+#include "engine/lit/false_colour.h"
 
 static unsigned make_scale(void) {
     enum { COLOURS = 256 };

@@ -10,7 +10,6 @@
 
 #include "engine/core/error.h"
 #include "engine/core/vec.h"
-#include "engine/lit/false_colour.h"
 #include "engine/draw/smooth.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
@@ -19,6 +18,7 @@
 #include "engine/draw/walk_targets.h"
 #include "engine/gl/gl_context.h"
 #include "engine/gl/gl_math.h"
+#include "engine/lit/false_colour.h"
 #include "engine/shade/walk_shade.h"
 
 // How the light is shown.

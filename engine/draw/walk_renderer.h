@@ -5,9 +5,9 @@
 #ifndef WALK_RENDERER_H
 #define WALK_RENDERER_H
 
-#include "engine/lit/exposure.h"
 #include "engine/draw/mirrors.h"
 #include "engine/draw/walk_store.h"
+#include "engine/lit/exposure.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/vis.h"
 

@@ -8,11 +8,11 @@
 
 // All texels of a building that is held whole: 2 MiB as halves of a float, computed in a fifth of a second.
 static const long TEXELS_WHOLE = 1 << 20;
-// What is made ahead leaves this share of a half to what frames need.
+// Objects made ahead leave this share of a half to those that frames need.
 static const double LEFT_TO_FRAMES = 0.25;
 // A half that is taken by this share may be left early, and what is moved to the other one takes up to this share of it.
 static const double TURN_FROM = 0.65, TURN_UP_TO = 0.3;
-// More objects than these are made by all threads side by side: below it, threads that go on waiting for more work would slow down OpenGL's.
+// More objects than these are made by all threads side by side: else threads that wait for more work would slow down those of OpenGL.
 enum { SIDE_BY_SIDE = 400 };
 
 typedef struct WalkVertex {
@@ -96,7 +96,7 @@ static Held *held_of(const WalkStore *store, int object) {
 }
 
 // How far a leaf's object is open; of others 1.
-static float share_of(const WalkStore *store, int object) {
+static float leaf_share(const WalkStore *store, int object) {
     int leaf = store->graph->objects[object].leaf;
     return leaf < 0 ? 1 : store->share[leaf];
 }
@@ -237,7 +237,7 @@ static Lack take_room(WalkStore *store, const int *objects, int count) {
             lack = VERTICES;
             break;
         }
-        Held held = {o, half->vertex_count, half->index_count, half->square_count, share_of(store, o)};
+        Held held = {o, half->vertex_count, half->index_count, half->square_count, leaf_share(store, o)};
         store->place[o] = 2 * half->held_count + store->current;
         *ARENA_PUSH(&half->arena, half->held, half->held_count, half->held_capacity) = held;
         if (is_surface(graph, o)) push_squares(store, half, o);
@@ -288,7 +288,7 @@ void walk_store_bind_texels(const WalkStore *store) {
 }
 
 // Gives the buffers and the texture their present size; what they held is lost.
-static void make_room(WalkStore *store) {
+static void allocate_halves(WalkStore *store) {
     size_t vertices = (size_t)store->half_count * (size_t)store->half_vertices;
     int rows = store->half_count * store->half_rows;
     glBindVertexArray(store->array);
@@ -315,7 +315,7 @@ static void grow(WalkStore *store, Lack lack) {
     else
         store->coarseness *= WALK_COARSENESS_STEP;
     store->figures.grown++;
-    make_room(store);
+    allocate_halves(store);
 }
 
 // The vertices of some objects of a half on their way to OpenGL: vertex i is `first` + i of the half.
@@ -400,7 +400,7 @@ static void make_objects(WalkStore *store, int which, int from, int count, int s
 }
 
 // Takes room for the objects in the half being filled and makes them.
-static Lack take(WalkStore *store, const int *objects, int count) {
+static Lack take_objects(WalkStore *store, const int *objects, int count) {
     Half *half = &store->halves[store->current];
     int from = half->held_count, vertices = half->vertex_count, squares = half->square_count;
     Lack lack = take_room(store, objects, count);
@@ -413,7 +413,7 @@ static Lack take(WalkStore *store, const int *objects, int count) {
 // ---- what is held
 
 // The half that was filled before this one is emptied and filled from now on.
-static void turn(WalkStore *store) {
+static void turn_over(WalkStore *store) {
     store->current = 1 - store->current;
     store->refused = -1;
     empty(store, &store->halves[store->current]);
@@ -425,7 +425,7 @@ static void move_leaves(WalkStore *store, const int *objects, int count) {
     for (int i = 0; i < count; i++) {
         if (store->graph->objects[objects[i]].leaf < 0) continue;
         Held *held = held_of(store, objects[i]);
-        float share = share_of(store, objects[i]);
+        float share = leaf_share(store, objects[i]);
         if (held->share == share) continue;
         held->share = share;
         int place = store->place[objects[i]];
@@ -436,11 +436,11 @@ static void move_leaves(WalkStore *store, const int *objects, int count) {
 void walk_store_hold(WalkStore *store, const int *objects, int count) {
     bool turned = store->half_count == 1;
     arena_reset(&store->scratch);
-    for (Lack lack; (lack = take(store, objects, count)) != NOTHING; turned = true) {
+    for (Lack lack; (lack = take_objects(store, objects, count)) != NOTHING; turned = true) {
         if (turned)
             grow(store, lack);
         else
-            turn(store);
+            turn_over(store);
         arena_reset(&store->scratch);
     }
     move_leaves(store, objects, count);
@@ -476,7 +476,7 @@ static void turn_early(WalkStore *store, const int *objects, int count) {
     }
     if (vertices < TURN_UP_TO * store->half_vertices &&
         points < TURN_UP_TO * store->half_rows * WALK_STORE_WIDTH)
-        turn(store);
+        turn_over(store);
     else
         store->refused = half->held_count;
 }
@@ -498,7 +498,7 @@ int walk_store_hold_ahead(WalkStore *store, const int *objects, int count, int m
     if (chosen == 0) turn_early(store, objects, count);
     if (chosen == 0 || taken(store, half) > 1 - LEFT_TO_FRAMES) return 0;
     for (int i = 0; i < chosen; i++) store->place[next[i]] = -1;
-    if (take(store, next, chosen) == NOTHING) return points;
+    if (take_objects(store, next, chosen) == NOTHING) return points;
     for (int i = 0; i < chosen; i++) store->place[next[i]] = before[i];
     return 0;
 }
@@ -522,7 +522,7 @@ static void hold_whole(WalkStore *store, int vertices) {
     store->coarseness = walk_bake_coarseness(store->bake, TEXELS_WHOLE);
     while (take_room(store, all, graph->object_count) != NOTHING) store->coarseness *= WALK_COARSENESS_STEP;
     store->half_rows = half->layout.row;
-    make_room(store);
+    allocate_halves(store);
     make_objects(store, 0, 0, half->held_count, 0);
     store->figures.vertices = vertices;
 }
@@ -566,7 +566,7 @@ WalkStore *walk_store_new(const CellGraph *graph, const WalkTextures *textures, 
     if (vertices <= limits->whole_most)
         hold_whole(store, (int)vertices);
     else
-        make_room(store);
+        allocate_halves(store);
     return store;
 }
 

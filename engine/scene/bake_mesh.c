@@ -21,7 +21,7 @@ BakeOptions bake_default_options(void) {
     return o;
 }
 
-// Of the whole building: where it is baked in parts, only some of it is in memory.
+// The memory is that of the whole building: a bake in parts has only some of it at once.
 static bool check_size(const char *file, double side, const CellGraph *graph, bool in_parts, Error *error) {
     double area = 0;
     for (int i = 0; i < graph->polygon_count; i++) {
@@ -33,7 +33,7 @@ static bool check_size(const char *file, double side, const CellGraph *graph, bo
         return error_set(
             error,
             "%s: its light, about %.2g elements, takes more memory than there is for it, at least %.0f MB "
-            "(--memory MB allows more, bake --parts takes less)",
+            "(--memory MB allows more, --element M of larger elements takes less)",
             file, elements, LEAST_BYTES * elements / (1 << 20));
     if (elements <= MOST_ELEMENTS) return true;
     return error_set(error,

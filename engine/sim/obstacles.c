@@ -77,18 +77,14 @@ static Range squares_under(const PlanGrid *grid, Box box) {
                    clamp((box.max.y - grid->origin.y) / grid->size, grid->ny)};
 }
 
-static Plane plane_of(const CellGraph *graph, int polygon) {
-    const Polygon *p = &graph->polygons[polygon];
-    return plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count);
-}
-
 static Box box_of(const CellGraph *graph, int polygon) {
     const Polygon *p = &graph->polygons[polygon];
     return box_of_vertices(graph->vertices + p->first_vertex, p->vertex_count);
 }
 
 static bool is_steep(const CellGraph *graph, int polygon) {
-    return fabs(plane_of(graph, polygon).n.z) < STEEP;
+    const Polygon *p = &graph->polygons[polygon];
+    return fabs(plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count).n.z) < STEEP;
 }
 
 // Is the object neither a surface nor a leaf, and in the way? Of the building's own objects.

@@ -171,6 +171,10 @@ bool tour_make(const CellGraph *graph, const char *name, const TourOptions *opti
     *out = (TourPath){0};
     out->reachable = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
     out->visited = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
+    if (options->rooms > 0 && b->region_count == 0)
+        return error_set(error,
+                         "%s: it has no rooms by which a tour could be cut (--rooms is for plans and homes)",
+                         b->source ? b->source : "building");
     if (strcmp(name, "auto") == 0) {
         tour_auto(graph, options, arena, out);
         return true;

@@ -239,8 +239,8 @@ static void find_clearance(TourFloor *f) {
 
 // Spreads from the cells of `queue` on to others of the same side of the building's walls, until `rooms` regions that are rooms are chosen.
 // Returns how many are in the queue then; cells of the other side that were met go to `beyond`.
-static int spread(TourFloor *f, bool outdoors, int rooms, int *room_count, unsigned char *region_chosen,
-                  int *queue, int count, int *beyond, int *beyond_count) {
+static int spread_rooms(TourFloor *f, bool outdoors, int rooms, int *room_count, unsigned char *region_chosen,
+                        int *queue, int count, int *beyond, int *beyond_count) {
     const CellGraph *graph = f->graph;
     for (int i = 0; i < count; i++) {
         const Cell *cell = &graph->cells[queue[i]];
@@ -282,8 +282,8 @@ static void choose_rooms(TourFloor *f, int rooms, Arena *arena) {
     queues[side][counts[side]++] = start;
     if (region->kind == REGION_ROOM) region_chosen[graph->cells[start].region] = 1, room_count++;
     while (counts[side] > 0) {
-        spread(f, side, rooms, &room_count, region_chosen, queues[side], counts[side], queues[1 - side],
-               &counts[1 - side]);
+        spread_rooms(f, side, rooms, &room_count, region_chosen, queues[side], counts[side], queues[1 - side],
+                     &counts[1 - side]);
         counts[side] = 0;
         side = 1 - side;
     }

@@ -247,10 +247,8 @@ static void *work(void *context) {
     bool good = t->baker.bake(t->baker.context, &t->hooks, &t->arena, &light, &t->error);
     good = good && !atomic_load(&t->stop);
     if (!good && t->short_of_memory)
-        error_set(
-            &t->error,
-            "no more light: it takes more memory than there is for it (--memory MB allows more, enfilade "
-            "bake --parts takes less)");
+        error_set(&t->error,
+                  "no more light: it takes more memory than there is for it (--memory MB allows more)");
     bool shown = atomic_load(&t->end) != LIGHT_UNDER_WAY;
     if (good && !shown) show_whole(t, &light);
     // The light of all lamps is the sum of theirs from now on.

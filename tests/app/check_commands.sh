@@ -412,6 +412,10 @@ expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -
 rm -rf "$work/cache"
 expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off --night -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--fill'
 expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off -o "$work/day.png"
+# A tour can be cut to some rooms, where there are rooms and an automatic tour.
+expect 0 "$program" walk $two --offscreen "$work/cut" --size 32x18 --every 1000 --rooms 1 --json && says out '"rooms_entered": 1'
+expect 2 "$program" walk $two --rooms 1 && says err '\-\-rooms is for the tour `auto`, off-screen'
+expect 1 "$program" walk tests/seeds/room.quads --offscreen "$work/cut" --size 32x18 --rooms 1 && says err 'it has no rooms by which a tour could be cut'
 # Night that is asked for is baked, too, where the light that is stored is of a day.
 printf 'plan 1\nmaterial m #808080\nmaterial l #ffffff emission 9\nstorey s floor 0 height 3\nroom r 0,0 4,0 4,3 0,3 wall 0.2\n' >"$work/night.plan"
 printf 'inlay l ceiling 1,1 2,1 2,2 1,2\nwindow w 4.1,1.5 angle 90 width 1 sill 0.9 height 1\n' >>"$work/night.plan"

@@ -1,8 +1,8 @@
 // test_exposure.c - the eye adapts: to what is seen, in time, the same every time.
 #include <criterion/criterion.h>
 
-#include "engine/lit/exposure.h"
 #include "engine/draw/view.h"
+#include "engine/lit/exposure.h"
 #include "tests/radiosity/shoot/sky_fixture.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"

@@ -48,8 +48,8 @@ static void compare(const char *file, bool ahead, int views) {
         if (ahead) walk_renderer_ahead(part, &s.forest, vis_locate(&s.graph, camera.eye, -1));
         // Texels lie elsewhere in the texture. OpenGL takes their places by 256ths of a texel, and neighbours in a corner may differ by
         // all brightness: a step of the screen each way, which the picture of a bright texture doubles.
-        cr_assert_leq(greatest_difference(expected, picture), look == WALK_FAST ? 4 : 0, "%s: view %d differs by %d", file,
-                      i, greatest_difference(expected, picture));
+        cr_assert_leq(greatest_difference(expected, picture), look == WALK_FAST ? 4 : 0,
+                      "%s: view %d differs by %d", file, i, greatest_difference(expected, picture));
     }
     WalkStoreFigures held = walk_renderer_held(part), all = walk_renderer_held(whole);
     cr_assert_geq(held.emptied, 2, "the halves were emptied %ld times only", held.emptied);

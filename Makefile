@@ -32,7 +32,7 @@ submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS
 mpi ?=
 dir := build/$(config)$(if $(mpi),-mpi)
 layers := engine/core engine/team engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
-          maps/doom maps/quake maps/ifc maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
+          maps/doom maps/quake maps/ifc maps/ifc_building maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show radiosity/planner engine/sim engine/tour \
           engine/library engine/scene engine/shade engine/lit engine/draw engine/overlay engine/display engine/walk engine/stills engine/app \

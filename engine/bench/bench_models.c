@@ -31,7 +31,7 @@ typedef struct Reading {
 
 static void read_apart(void *context) {
     Reading *r = context;
-    // As the program reads models (maps/ifc/ifc_building.c).
+    // As the program reads models (maps/ifc_building/ifc_building.c).
     Arena arena = {.dense = true};
     Bytes content;
     IfcModel model;

@@ -8,8 +8,8 @@
 
 // Options that lead to more elements than this are surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
-// The least memory of an element with its light, bytes: homes and offices take 1,300 to 3,700.
-static const double LEAST_BYTES = 1000;
+// Less than any element takes with its light, bytes: 1,000 of small elements, else 1,300 to 3,700.
+static const double LEAST_BYTES = 800;
 
 BakeOptions bake_default_options(void) {
     BakeOptions o = {

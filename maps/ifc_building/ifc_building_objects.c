@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "maps/ifc/ifc_building.h"
+#include "maps/ifc_building/ifc_building.h"
 
 // Radiant flux of a light fixture, W: some 2,300 lm, as a luminaire of an office has. Files seldom say it.
 // A thing that ends no higher above a floor than this lies under the floor, metres.

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "maps/building/texture.h"
-#include "maps/ifc/ifc_building.h"
+#include "maps/ifc_building/ifc_building.h"
 
 // Glass whose style is opaque, and a share below which nothing is seen of a polygon.
 static const float GLASS_ALPHA = 0.3f, CLEAREST = 0.05f;

@@ -3,7 +3,7 @@
 //
 // A section is found from the lines in which faces meet the level plane: they are made a planar graph, and of its cells those count
 // whose inner point is inside an odd number of the lines' loops.
-#include "maps/ifc/solid_outline.h"
+#include "maps/ifc_building/solid_outline.h"
 
 #define GEOS_USE_ONLY_R_API
 #include <geos_c.h>

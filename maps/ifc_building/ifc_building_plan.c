@@ -6,7 +6,7 @@
 
 #include "engine/core/polygon.h"
 #include "engine/core/sets.h"
-#include "maps/ifc/ifc_building.h"
+#include "maps/ifc_building/ifc_building.h"
 
 // Metres. Storeys whose floors lie nearer than this are one.
 static const double SAME_FLOOR = 0.3;

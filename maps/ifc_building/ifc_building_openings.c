@@ -9,7 +9,7 @@
 #include <strings.h>
 
 #include "engine/core/sets.h"
-#include "maps/ifc/ifc_building.h"
+#include "maps/ifc_building/ifc_building.h"
 
 // A person passes a step of this height at most, and stoops under this head; metres.
 static const double MAX_SILL = 0.3, MIN_HEAD = 1.5, MIN_WIDTH = 0.4;

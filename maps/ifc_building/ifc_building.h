@@ -10,7 +10,7 @@
 #include "maps/building/building.h"
 #include "maps/building/sketch.h"
 #include "maps/ifc/ifc.h"
-#include "maps/ifc/solid_outline.h"
+#include "maps/ifc_building/solid_outline.h"
 #include "maps/polygons/soup_readers.h"
 
 // A space that becomes a room.

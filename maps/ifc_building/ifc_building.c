@@ -1,6 +1,6 @@
 // ifc_building.c - reads building models as buildings. A model with walls or spaces becomes a sketch, in which maps_enclose finds the
 // free space; one that has neither is polygons alone.
-#include "maps/ifc/ifc_building.h"
+#include "maps/ifc_building/ifc_building.h"
 
 #include <math.h>
 #include <stdio.h>

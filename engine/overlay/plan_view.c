@@ -1,6 +1,10 @@
 // plan_view.c - draws the plan in layers: cells tinted by visibility, stairs, view, walls, stab tree, openings, names, and the eye on top.
 #include "engine/overlay/plan_view.h"
 
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "engine/sim/body.h"
 #include "visibility/prepare/figure.h"
 
@@ -27,7 +31,39 @@ typedef struct PlanDrawing {
     Box area;
     double z, point;
     Arena *scratch;
+    BoxHits cells;  // in `area` and at `z`, ascending
 } PlanDrawing;
+
+PlanPlaces *plan_places(const CellGraph *graph, Arena *arena) {
+    const Building *b = graph->building;
+    PlanPlaces *places = ARENA_ARRAY(arena, PlanPlaces, 1);
+    Box *cells = ARENA_ARRAY(arena, Box, graph->cell_count + 1),
+        *openings = ARENA_ARRAY(arena, Box, b->opening_count + 1);
+    int stairs = 0;
+    for (int c = 0; c < graph->cell_count; c++) cells[c] = graph->cells[c].box;
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        Box box = box_add(box_add(box_empty(), vec3(o->line[0].x, o->line[0].y, o->sill)),
+                          vec3(o->line[1].x, o->line[1].y, o->head));
+        // An open leaf reaches as far from the opening as the opening is wide.
+        openings[i] = box_grow(box, vec2_length(vec2_sub(o->line[1], o->line[0])));
+    }
+    for (int i = 0; i < b->object_count; i++)
+        stairs += b->objects[i].kind == OBJECT_STAIR && b->objects[i].proxy;
+    Box *boxes = ARENA_ARRAY(arena, Box, stairs + 1);
+    places->stair = ARENA_ARRAY(arena, int, stairs + 1);
+    stairs = 0;
+    for (int i = 0; i < b->object_count; i++) {
+        if (b->objects[i].kind != OBJECT_STAIR || !b->objects[i].proxy) continue;
+        boxes[stairs] = graph->object_boxes[i];
+        places->stair[stairs++] = i;
+    }
+    places->cells = box_tree_build(cells, graph->cell_count, arena);
+    places->openings = box_tree_build(openings, b->opening_count, arena);
+    places->stairs = box_tree_build(boxes, stairs, arena);
+    places->rooms_z = NAN;
+    return places;
+}
 
 int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye) {
     const Building *b = graph->building;
@@ -60,25 +96,39 @@ static void shorten(double *least, double *most, double middle, double longest) 
 
 Box plan_view_area(const PlanView *view, double most) {
     const CellGraph *graph = view->graph;
-    Box box = box_empty();
+    PlanPlaces *places = view->places;
     double z = cut_height(view);
-    for (int c = 0; c < graph->cell_count; c++) {
-        bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
-        if (!outdoors && figure_cuts(graph, c, z)) box = box_union(box, graph->cells[c].box);
+    if (places->rooms_z != z) {
+        places->rooms = box_empty();
+        for (int c = 0; c < graph->cell_count; c++) {
+            bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
+            if (!outdoors && figure_cuts(graph, c, z))
+                places->rooms = box_union(places->rooms, graph->cells[c].box);
+        }
+        places->rooms_z = z;
     }
-    box = box_grow(box_add(box, view->eye), PLAN_MARGIN);
+    Box box = box_grow(box_add(places->rooms, view->eye), PLAN_MARGIN);
     shorten(&box.min.x, &box.max.x, view->eye.x, most);
     shorten(&box.min.y, &box.max.y, view->eye.y, most);
     return box;
 }
 
-static bool in_area(const PlanDrawing *d, Box box) {
-    return box.min.x <= d->area.max.x && box.max.x >= d->area.min.x && box.min.y <= d->area.max.y &&
-           box.max.y >= d->area.min.y;
+// The part of the plan that shows, between two heights.
+static Box area_between(const PlanDrawing *d, double z0, double z1) {
+    return (Box){{d->area.min.x, d->area.min.y, z0}, {d->area.max.x, d->area.max.y, z1}};
 }
 
-static bool cell_shows(const PlanDrawing *d, int cell) {
-    return figure_cuts(d->view->graph, cell, d->z) && in_area(d, d->view->graph->cells[cell].box);
+static void find_cells(PlanDrawing *d) {
+    int kept = 0,
+        found = box_tree_find(&d->view->places->cells, area_between(d, d->z, d->z), d->scratch, &d->cells);
+    for (int i = 0; i < found; i++)
+        if (figure_cuts(d->view->graph, d->cells.items[i], d->z)) d->cells.items[kept++] = d->cells.items[i];
+    d->cells.count = kept;
+}
+
+static int by_number(const void *p, const void *q) {
+    const int *a = p, *b = q;
+    return (*a > *b) - (*a < *b);
 }
 
 // ---- cells
@@ -96,17 +146,20 @@ static unsigned mixed(unsigned below, unsigned above, double share) {
 static void draw_cells(const PlanDrawing *d) {
     const PlanView *view = d->view;
     const CellGraph *graph = view->graph;
-    double *strength = ARENA_ARRAY(d->scratch, double, graph->cell_count);
+    double *strength = ARENA_ARRAY(d->scratch, double, d->cells.count + 1);
     for (int i = 0; view->visible && i < view->visible->cell_count; i++) {
         const VisibleCell *seen = &view->visible->cells[i];
-        strength[seen->cell] = 0.2 + 0.6 / (1 + seen->distance / PLAN_FADE);
+        const int *at =
+            bsearch(&seen->cell, d->cells.items, (size_t)d->cells.count, sizeof *d->cells.items, by_number);
+        if (at) strength[at - d->cells.items] = 0.2 + 0.6 / (1 + seen->distance / PLAN_FADE);
     }
-    for (int c = 0; c < graph->cell_count; c++) {
+    for (int i = 0; i < d->cells.count; i++) {
+        int c = d->cells.items[i];
         RegionKind kind = vis_region(graph, c)->kind;
         bool outdoors = kind == REGION_OUTDOORS;
-        if (!cell_shows(d, c) || (outdoors && c != view->cell && strength[c] == 0)) continue;
+        if (outdoors && c != view->cell && strength[i] == 0) continue;
         unsigned ground = outdoors ? OUTDOORS : kind == REGION_ROOM ? ROOM : THRESHOLD;
-        DrawStyle style = {.fill = mixed(ground, SEEN, strength[c]), .fill_opacity = 1};
+        DrawStyle style = {.fill = mixed(ground, SEEN, strength[i]), .fill_opacity = 1};
         // A garden is too large for the full colour.
         if (c == view->cell) style.fill = mixed(ground, HERE, outdoors ? 0.4 : 1);
         figure_fill(graph, c, &style, d->draw);
@@ -203,13 +256,12 @@ static void draw_stair(const PlanDrawing *d, const Object *object) {
 
 // Draws the stairs that stand on this storey or come up to it.
 static void draw_stairs(const PlanDrawing *d) {
-    const Building *b = d->view->graph->building;
-    for (int i = 0; i < b->object_count; i++) {
-        const Object *o = &b->objects[i];
-        if (o->kind != OBJECT_STAIR || !o->proxy) continue;
-        Box box = d->view->graph->object_boxes[i];
-        bool here = o->proxy->z0 < d->z && o->proxy->z1 > d->z - PLAN_CUT;
-        if (here && in_area(d, box)) draw_stair(d, o);
+    const PlanPlaces *places = d->view->places;
+    BoxHits hits = {0};
+    int count = box_tree_find(&places->stairs, area_between(d, -INFINITY, INFINITY), d->scratch, &hits);
+    for (int i = 0; i < count; i++) {
+        const Object *o = &d->view->graph->building->objects[places->stair[hits.items[i]]];
+        if (o->proxy->z0 < d->z && o->proxy->z1 > d->z - PLAN_CUT) draw_stair(d, o);
     }
 }
 
@@ -217,14 +269,12 @@ static void draw_walls(const PlanDrawing *d) {
     const CellGraph *graph = d->view->graph;
     DrawStyle portal = {.stroke = 0x8fb4dc, .width = 0.45 * d->point};
     DrawStyle wall = {.stroke = 0xe4e9ee, .width = 1.5 * d->point};
-    for (int c = 0; c < graph->cell_count; c++) {
+    for (int i = 0; i < d->cells.count; i++) {
         // Cells under the sky are large and many, and the portals between them say nothing.
-        bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
-        if (!outdoors && cell_shows(d, c)) figure_portals(graph, c, d->z, &portal, d->draw);
+        int c = d->cells.items[i];
+        if (vis_region(graph, c)->kind != REGION_OUTDOORS) figure_portals(graph, c, d->z, &portal, d->draw);
     }
-    for (int c = 0; c < graph->cell_count; c++) {
-        if (cell_shows(d, c)) figure_walls(graph, c, d->z, &wall, d->draw);
-    }
+    for (int i = 0; i < d->cells.count; i++) figure_walls(graph, d->cells.items[i], d->z, &wall, d->draw);
     if (graph->building->form == FORM_SOUP) figure_polygons(graph, d->z, d->area, &wall, d->draw);
 }
 
@@ -248,14 +298,11 @@ static void draw_leaves(const PlanDrawing *d, const Opening *door) {
 static void draw_openings(const PlanDrawing *d) {
     const Building *b = d->view->graph->building;
     DrawStyle glass = {.stroke = 0x6fd3f0, .width = 1.5 * d->point};
-    for (int i = 0; i < b->opening_count; i++) {
-        const Opening *o = &b->openings[i];
+    BoxHits hits = {0};
+    int count = box_tree_find(&d->view->places->openings, area_between(d, d->z, d->z), d->scratch, &hits);
+    for (int i = 0; i < count; i++) {
+        const Opening *o = &b->openings[hits.items[i]];
         if (o->sill > d->z || o->head < d->z) continue;
-        Box box = box_add(box_add(box_empty(), vec3(o->line[0].x, o->line[0].y, 0)),
-                          vec3(o->line[1].x, o->line[1].y, 0));
-        // An open leaf reaches as far from the opening as the opening is wide.
-        double reach = vec2_length(vec2_sub(o->line[1], o->line[0]));
-        if (!in_area(d, box_grow(box, reach))) continue;
         if (o->kind == OPENING_WINDOW) d->draw->line(d->draw->context, o->line[0], o->line[1], &glass);
         if (o->kind == OPENING_DOOR) draw_leaves(d, o);
     }
@@ -278,10 +325,10 @@ static void draw_name(const PlanDrawing *d, int region, const char *name) {
 static void draw_names(const PlanDrawing *d) {
     const CellGraph *graph = d->view->graph;
     int named = -1;  // the cells of a region follow each other
-    for (int c = 0; c < graph->cell_count; c++) {
-        int r = graph->cells[c].region;
-        const Region *region = vis_region(graph, c);
-        if (r == named || region->kind != REGION_ROOM || !*region->name || !cell_shows(d, c)) continue;
+    for (int i = 0; i < d->cells.count; i++) {
+        int r = graph->cells[d->cells.items[i]].region;
+        const Region *region = vis_region(graph, d->cells.items[i]);
+        if (r == named || region->kind != REGION_ROOM || !*region->name) continue;
         draw_name(d, r, region->name);
         named = r;
     }
@@ -318,7 +365,8 @@ static void draw_eye(const PlanDrawing *d) {
 }
 
 void plan_view_draw(const PlanView *view, Box area, double point, Arena *scratch, const Draw *draw) {
-    PlanDrawing d = {view, draw, area, cut_height(view), point, scratch};
+    PlanDrawing d = {view, draw, area, cut_height(view), point, scratch, {0}};
+    find_cells(&d);
     draw_cells(&d);
     draw_stairs(&d);
     draw_wedge(&d);

@@ -2,11 +2,23 @@
 #ifndef WALK_PLAN_VIEW_H
 #define WALK_PLAN_VIEW_H
 
+#include "engine/core/box_tree.h"
 #include "engine/core/draw.h"
 #include "visibility/vis.h"
 
+// Where what a plan shows lies, so that a plan of a part of a large building looks at that part alone. Made once for a graph, whose it is; one
+// thread's at a time.
+typedef struct PlanPlaces {
+    BoxTree cells, openings, stairs;
+    int *stair;      // [stairs.count] objects
+    Box rooms;       // around the rooms cut at the height `rooms_z`
+    double rooms_z;  // NAN: not known yet
+} PlanPlaces;
+PlanPlaces *plan_places(const CellGraph *graph, Arena *arena);
+
 typedef struct PlanView {
     const CellGraph *graph;
+    PlanPlaces *places;
     const StabForest *forest;  // the stab tree of the eye's cell is drawn; NULL: no tree
     const VisResult *visible;  // its cells are tinted; NULL: none
     const float *door_open;    // as for vis_query

@@ -8,7 +8,6 @@
 
 #include <string.h>
 
-#include "engine/core/box_tree.h"
 #include "engine/core/error.h"
 #include "engine/sim/door_part.h"
 
@@ -38,9 +37,10 @@ static bool may_meet(const Building *b, const Opening *p, const Opening *q) {
     return false;
 }
 
-// The box of all leaves of an opening, wherever they stand.
-static Box leaves_reach(const Building *b, const Opening *o) {
-    Box box = box_empty();
+// The box of an opening and of its leaves, wherever they stand.
+static Box opening_reach(const Building *b, const Opening *o) {
+    Box box = box_add(box_add(box_empty(), vec3(o->line[0].x, o->line[0].y, o->sill)),
+                      vec3(o->line[1].x, o->line[1].y, o->head));
     for (int i = o->first_leaf; i < o->first_leaf + o->leaf_count; i++)
         box = box_union(box, door_leaf_reach(&b->leaves[i]));
     return box;
@@ -49,11 +49,11 @@ static Box leaves_reach(const Building *b, const Opening *o) {
 Doors doors_new(const CellGraph *graph, Arena *arena) {
     const Building *b = graph->building;
     Arena scratch = {0};
-    Box *reach = ARENA_ARRAY(&scratch, Box, b->opening_count + 1);
-    for (int i = 0; i < b->opening_count; i++) reach[i] = leaves_reach(b, &b->openings[i]);
-    BoxTree tree = box_tree_build(reach, b->opening_count, &scratch);
+    Box *reach = ARENA_ARRAY(arena, Box, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) reach[i] = opening_reach(b, &b->openings[i]);
     BoxHits near = {0};
     Doors d = {.graph = graph,
+               .places = box_tree_build(reach, b->opening_count, arena),
                .open = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .wanted = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .halt = ARENA_ARRAY(arena, unsigned char, b->opening_count + 1),
@@ -64,7 +64,7 @@ Doors doors_new(const CellGraph *graph, Arena *arena) {
         d.open[i] = d.wanted[i] = o->kind == OPENING_DOOR ? (float)o->open : 1;
         d.near_first[i] = count;
         if (o->leaf_count == 0) continue;
-        int found = box_tree_find(&tree, box_grow(reach[i], CLEAR), &scratch, &near);
+        int found = box_tree_find(&d.places, box_grow(reach[i], CLEAR), &scratch, &near);
         for (int n = 0; n < found; n++) {
             int k = near.items[n];
             if (k != i && may_meet(b, o, &b->openings[k])) *ARENA_PUSH(arena, d.near, count, capacity) = k;
@@ -335,7 +335,13 @@ int doors_looked_at(const Doors *d, Vec3 eye, int cell, Vec3 direction, double r
     const Building *b = d->graph->building;
     double nearest = clear_length(d->graph, eye, cell, direction, reach);
     int found = -1;
-    for (int i = 0; i < b->opening_count; i++) {
+    Arena scratch = {0};
+    BoxHits near = {0};
+    Box around =
+        box_grow(box_add(box_add(box_empty(), eye), vec3_add(eye, vec3_scale(direction, nearest))), CLEAR);
+    int count = box_tree_find(&d->places, around, &scratch, &near);
+    for (int n = 0; n < count; n++) {
+        int i = near.items[n];
         if (!doors_usable(d, i)) continue;
         double hit = doorway_hit(&b->openings[i], eye, direction);
         for (int k = 0; k < b->openings[i].leaf_count; k++) {
@@ -347,5 +353,6 @@ int doors_looked_at(const Doors *d, Vec3 eye, int cell, Vec3 direction, double r
         nearest = hit;
         found = i;
     }
+    arena_free(&scratch);
     return found;
 }

@@ -50,6 +50,7 @@ static void draw_hud(Session *s, int width, int height, double scale) {
                           .light = session_light_text(s, &s->frame_arena)};
     HudLegend legend;
     PlanView plan = {.graph = graph,
+                     .places = s->shown->places,
                      .forest = s->stab_tree ? s->shown->scene.forest : NULL,
                      .visible = &s->visible,
                      .door_open = s->shown->doors.open,

@@ -35,6 +35,7 @@ Shown *shown_load(const Session *s, Error *error) {
     shown->query = vis_query_new(graph, shown->scene.forest, arena);
     shown->mirrors = mirrors_new(graph, shown->scene.forest, arena);
     shown->doors = doors_new(graph, arena);
+    shown->places = plan_places(graph, arena);
     shown->world = body_world(graph, shown->doors.open, arena);
     shown->drawn_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
     shown->hidden = ARENA_ARRAY(arena, int, graph->object_count + 1);

@@ -43,6 +43,7 @@ typedef struct Shown {
     Mirrors *mirrors;  // or NULL
     WalkRenderer *renderer;
     Doors doors;
+    PlanPlaces *places;
     BodyWorld world;
     Viewpoint first;      // the view that a walk begins with
     float *drawn_open;    // [opening_count] the doors as the last frame shows them

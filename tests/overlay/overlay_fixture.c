@@ -77,11 +77,13 @@ void overlay_check_open_home(Home *h, Arena *arena, const char *path) {
     cr_assert(maps_read(path, arena, &h->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&h->building, &options, arena, &h->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&h->graph, &options, NULL, arena, &h->forest));
+    h->places = plan_places(&h->graph, arena);
 }
 
 PlanView overlay_check_view_from(const Home *h, Vec3 eye, double yaw) {
     int cell = vis_locate(&h->graph, eye, -1);
     return (PlanView){.graph = &h->graph,
+                      .places = h->places,
                       .eye = eye,
                       .yaw = yaw,
                       .fov = 1.2,

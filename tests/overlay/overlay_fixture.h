@@ -36,6 +36,7 @@ typedef struct Ink {
 Ink overlay_check_ink_of(const Canvas *c);
 
 typedef struct Home {
+    PlanPlaces *places;
     Building building;
     CellGraph graph;
     StabForest forest;

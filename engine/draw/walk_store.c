@@ -114,12 +114,13 @@ static void fill_polygon(const WalkStore *store, int polygon, int object, const 
     const Material *m = &store->graph->building->materials[p->material];
     Vec3 n = plane_of_polygon(v, p->vertex_count).n;
     Rgb c = m->reflectance, glow = walk_glow(m);
+    int lamp_count, first_lamp = walk_lamps_of(store->lights, object, &lamp_count);
     WalkVertex vertex = {
         .normal = {(float)n.x, (float)n.y, (float)n.z},
         .colour = {walk_byte(sqrtf(c.r)), walk_byte(sqrtf(c.g)), walk_byte(sqrtf(c.b)), walk_byte(m->alpha)},
         .emission = {walk_byte(glow.r), walk_byte(glow.g), walk_byte(glow.b),
                      walk_outdoors(store->graph, store->lights, object) ? 255 : 0},
-        .lamps = {store->lights->first[object], store->lights->count[object]}};
+        .lamps = {first_lamp, lamp_count}};
     double width = WALK_STORE_WIDTH, height = store->half_count * store->half_rows;
     for (int i = 0; i < p->vertex_count; i++) {
         Vec3 at = vec3_sub(v[i], store->origin);

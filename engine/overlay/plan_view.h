@@ -6,14 +6,14 @@
 #include "engine/core/draw.h"
 #include "visibility/vis.h"
 
-// Where what a plan shows lies, so that a plan of a part of a large building looks at that part alone. Made once for a graph, whose it is; one
-// thread's at a time.
+// Where the things lie that a plan shows, so that a plan of a part of a large building looks at that part alone. One thread's at a time.
 typedef struct PlanPlaces {
     BoxTree cells, openings, stairs;
     int *stair;      // [stairs.count] objects
     Box rooms;       // around the rooms cut at the height `rooms_z`
     double rooms_z;  // NAN: not known yet
 } PlanPlaces;
+// Made once for a graph, in the arena.
 PlanPlaces *plan_places(const CellGraph *graph, Arena *arena);
 
 typedef struct PlanView {

@@ -56,8 +56,9 @@ static Rgb ambient_light(Vec3 n, bool outdoors) {
 
 static Rgb lamp_light(const WalkLights *lights, int object, Vec3 place, Vec3 n) {
     Rgb sum = {0, 0, 0};
-    const WalkLamp *lamp = lights->lamps + lights->first[object];
-    for (const WalkLamp *end = lamp + lights->count[object]; lamp < end; lamp++) {
+    int count;
+    const WalkLamp *lamp = lights->lamps + walk_lamps_of(lights, object, &count);
+    for (const WalkLamp *end = lamp + count; lamp < end; lamp++) {
         Vec3 way =
             vec3(lamp->position[0] - place.x, lamp->position[1] - place.y, lamp->position[2] - place.z);
         double r2 = vec3_dot(way, way), cosine = vec3_dot(n, way) / fmax(sqrt(r2), 0.01);
@@ -113,7 +114,8 @@ static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 poi
 static Rgb usual_look(const WalkBake *bake, int object, const Material *m, Vec3 n) {
     const WalkLights *lights = bake->lights;
     Rgb light = ambient_light(n, walk_outdoors(bake->graph, bake->lights, object));
-    for (int i = lights->first[object]; i < lights->first[object] + lights->count[object]; i++) {
+    int count, first = walk_lamps_of(lights, object, &count);
+    for (int i = first; i < first + count; i++) {
         const WalkLamp *lamp = &lights->lamps[i];
         Rgb colour = {lamp->colour[0], lamp->colour[1], lamp->colour[2]};
         light =

@@ -133,22 +133,16 @@ WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena) {
     int objects = graph->object_count, regions = graph->building->region_count;
     Arena scratch = {0};
     WalkLights lights = {.region = ARENA_ARRAY(arena, int, objects + 1),
-                         .first = ARENA_ARRAY(arena, int, objects + 1),
-                         .count = ARENA_ARRAY(arena, int, objects + 1)};
+                         .first = ARENA_ARRAY(arena, int, regions + 1)};
     find_regions(graph, lights.region);
     const RoomLamps *rooms = find_lamps(graph, lights.region, &scratch);
-    int *first = ARENA_ARRAY(&scratch, int, regions + 1);
     for (int r = 0; r < regions; r++) {
-        first[r] = lights.lamp_count;
+        lights.first[r] = lights.lamp_count;
         lights.lamp_count += rooms[r].count;
     }
+    lights.first[regions] = lights.lamp_count;
     lights.lamps = ARENA_ARRAY(arena, WalkLamp, lights.lamp_count + 1);
-    for (int r = 0; r < regions; r++) write_lamps(&rooms[r], origin, lights.lamps + first[r]);
-    for (int o = 0; o < objects; o++) {
-        if (lights.region[o] < 0) continue;
-        lights.first[o] = first[lights.region[o]];
-        lights.count[o] = rooms[lights.region[o]].count;
-    }
+    for (int r = 0; r < regions; r++) write_lamps(&rooms[r], origin, lights.lamps + lights.first[r]);
     arena_free(&scratch);
     return lights;
 }

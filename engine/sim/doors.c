@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+#include "engine/core/box_tree.h"
+
 #include "engine/core/error.h"
 #include "engine/sim/door_part.h"
 
@@ -53,18 +55,19 @@ Doors doors_new(const CellGraph *graph, Arena *arena) {
     for (int i = 0; i < b->opening_count; i++) reach[i] = opening_reach(b, &b->openings[i]);
     BoxHits near = {0};
     Doors d = {.graph = graph,
-               .places = box_tree_build(reach, b->opening_count, arena),
+               .places = ARENA_ARRAY(arena, BoxTree, 1),
                .open = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .wanted = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .halt = ARENA_ARRAY(arena, unsigned char, b->opening_count + 1),
                .near_first = ARENA_ARRAY(arena, int, b->opening_count + 1)};
+    *d.places = box_tree_build(reach, b->opening_count, arena);
     int capacity = 0, count = 0;
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
         d.open[i] = d.wanted[i] = o->kind == OPENING_DOOR ? (float)o->open : 1;
         d.near_first[i] = count;
         if (o->leaf_count == 0) continue;
-        int found = box_tree_find(&d.places, box_grow(reach[i], CLEAR), &scratch, &near);
+        int found = box_tree_find(d.places, box_grow(reach[i], CLEAR), &scratch, &near);
         for (int n = 0; n < found; n++) {
             int k = near.items[n];
             if (k != i && may_meet(b, o, &b->openings[k])) *ARENA_PUSH(arena, d.near, count, capacity) = k;
@@ -339,7 +342,7 @@ int doors_looked_at(const Doors *d, Vec3 eye, int cell, Vec3 direction, double r
     BoxHits near = {0};
     Box around =
         box_grow(box_add(box_add(box_empty(), eye), vec3_add(eye, vec3_scale(direction, nearest))), CLEAR);
-    int count = box_tree_find(&d->places, around, &scratch, &near);
+    int count = box_tree_find(d->places, around, &scratch, &near);
     for (int n = 0; n < count; n++) {
         int i = near.items[n];
         if (!doors_usable(d, i)) continue;

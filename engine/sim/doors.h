@@ -2,7 +2,6 @@
 #ifndef WALK_DOORS_H
 #define WALK_DOORS_H
 
-#include "engine/core/box_tree.h"
 #include "engine/sim/body.h"
 
 enum { DOOR_FREE, DOOR_MEETS_BODY, DOOR_MEETS_DOOR };
@@ -16,7 +15,7 @@ typedef struct Doors {
     unsigned char *halt;  // [opening_count] DOOR_FREE, or the obstacle for which the door waits
     int *near_first;      // [opening_count + 1] run i is the doors whose leaves may meet those of door i
     int *near;
-    BoxTree places;  // of all openings, each with its leaves wherever they stand
+    struct BoxTree *places;  // of all openings, each with its leaves wherever they stand
 } Doors;
 
 // Makes doors that stand as drawn.

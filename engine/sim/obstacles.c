@@ -25,7 +25,7 @@ typedef struct Item {
     int polygon, leaf;  // the other is -1
     unsigned seen;      // `serial` of the last call that saw it
     bool steep;
-    Box box;
+    float box[2][3];  // low and high corner, rounded outwards: there are millions of items
 } Item;
 
 // A grid in plan.
@@ -55,6 +55,22 @@ struct Obstacles {
     Solid *solids;  // [solid_capacity]
     int solid_count, solid_capacity, wall_tests, object_tests;
 };
+
+static float below(double x) { return nextafterf((float)x, -INFINITY); }
+static float above(double x) { return nextafterf((float)x, INFINITY); }
+
+static Item make_item(int polygon, int leaf, bool steep, Box box) {
+    return (Item){.polygon = polygon,
+                  .leaf = leaf,
+                  .steep = steep,
+                  .box = {{below(box.min.x), below(box.min.y), below(box.min.z)},
+                          {above(box.max.x), above(box.max.y), above(box.max.z)}}};
+}
+
+static Box item_box(const Item *item) {
+    return (Box){{(double)item->box[0][0], (double)item->box[0][1], (double)item->box[0][2]},
+                 {(double)item->box[1][0], (double)item->box[1][1], (double)item->box[1][2]}};
+}
 
 static Box box_of_vertices(const Vec3 *v, int count) {
     Box box = box_empty();
@@ -112,11 +128,10 @@ static void list_items(Obstacles *o, Arena *arena) {
         const Object *object = &graph->objects[i];
         if (!stands_in_the_way(object, frameless)) continue;
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
-            o->item[o->item_count++] =
-                (Item){.polygon = p, .leaf = -1, .steep = is_steep(graph, p), .box = box_of(graph, p)};
+            o->item[o->item_count++] = make_item(p, -1, is_steep(graph, p), box_of(graph, p));
     }
     for (int i = 0; i < b->leaf_count; i++)
-        o->item[o->item_count++] = (Item){.polygon = -1, .leaf = i, .box = door_leaf_reach(&b->leaves[i])};
+        o->item[o->item_count++] = make_item(-1, i, false, door_leaf_reach(&b->leaves[i]));
     arena_free(&scratch);
 }
 
@@ -130,7 +145,7 @@ static PlanGrid grid_over(Box box, double size) {
 static long count_entries(const Obstacles *o, const PlanGrid *grid) {
     long entries = 0;
     for (int i = 0; i < o->item_count; i++) {
-        Range r = squares_under(grid, o->item[i].box);
+        Range r = squares_under(grid, item_box(&o->item[i]));
         entries += (long)(r.x1 - r.x0 + 1) * (r.y1 - r.y0 + 1);
     }
     return entries;
@@ -140,7 +155,7 @@ static long count_entries(const Obstacles *o, const PlanGrid *grid) {
 static void enter_items(Obstacles *o, int *fill) {
     PlanGrid *grid = &o->grid;
     for (int i = 0; i < o->item_count; i++) {
-        Range r = squares_under(grid, o->item[i].box);
+        Range r = squares_under(grid, item_box(&o->item[i]));
         for (int y = r.y0; y <= r.y1; y++) {
             for (int x = r.x0; x <= r.x1; x++) {
                 int square = y * grid->nx + x;
@@ -361,11 +376,13 @@ static void add_items(Obstacles *o, const float *door_open, const Box *near) {
             if (item->seen == o->serial) continue;
             item->seen = o->serial;
             o->object_tests++;
-            if (!box_overlap(item->box, *near)) continue;
-            if (item->polygon >= 0)
-                add_obstacle_polygon(o, item->polygon, item->steep, item->box);
-            else
+            if (!box_overlap(item_box(item), *near)) continue;
+            if (item->leaf >= 0) {
                 add_leaf(o, item->leaf, door_open, near);
+                continue;
+            }
+            Box box = box_of(o->graph, item->polygon);
+            if (box_overlap(box, *near)) add_obstacle_polygon(o, item->polygon, item->steep, box);
         }
     }
 }

@@ -244,8 +244,9 @@ Test(renderer, panels_are_lamps) {
         int region = s.graph.cells[c].region, o = s.graph.surface_first[c];
         if (s.building.regions[region].kind != REGION_ROOM || o == s.graph.surface_first[c + 1]) continue;
         rooms++;
-        cr_assert_gt(lights.count[o], 0, "cell %d of %s has no lamp", c, s.building.regions[region].name);
-        for (int i = lights.first[o]; i < lights.first[o] + lights.count[o]; i++) {
+        int count, first = walk_lamps_of(&lights, o, &count);
+        cr_assert_gt(count, 0, "cell %d of %s has no lamp", c, s.building.regions[region].name);
+        for (int i = first; i < first + count; i++) {
             const float *p = lights.lamps[i].position;
             int cell = vis_locate(&s.graph, vec3(p[0], p[1], p[2]), -1);
             cr_assert(cell >= 0 && s.graph.cells[cell].region == region, "a lamp hangs in another room");

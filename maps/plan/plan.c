@@ -185,6 +185,9 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     if (!maps_enclose(&plan->sketch, out, arena, &why))
         return memory_within(error) && error_set(error, "%s: %.900s", path, why.text);
     plan_lay_textures(plan);
+    // Nobody reads them any more, and of a campus they are many.
+    arena_release(arena, plan->sketch.openings);
+    plan->sketch.openings = NULL;
     out->hash = plan->beside.hash;
     return plan_set_start(plan);
 }

@@ -233,7 +233,7 @@ static int order_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, in
                                              : distance_to_box(box, eye);
         mesh->order[chosen++] = (Ordered){distance, o};
     }
-    qsort(mesh->order, (size_t)chosen, sizeof *mesh->order, by_distance);
+    if (chosen > 1) qsort(mesh->order, (size_t)chosen, sizeof *mesh->order, by_distance);
     return chosen;
 }
 

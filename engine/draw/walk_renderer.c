@@ -88,7 +88,8 @@ struct WalkRenderer {
     bool software;  // OpenGL draws with the processor
     Smoother smoother;
     Arena frame_arena;
-    uint32_t *frame;            // as large as the smoother's
+    uint32_t *frame;  // [frame_pixels] room for the frame while its edges are smoothed
+    size_t frame_pixels;
     unsigned no_vertices;       // the vertex array for programs that make their own vertices
     const MirrorView *mirrors;  // [mirror_count] of the frame
     int mirror_count;
@@ -537,9 +538,11 @@ bool walk_renderer_wireframe(WalkRenderer *w, const Camera *camera, const int *o
 // Copies the frame that is bound for reading to the final one, with its edges smoothed. In software both lie in this process's memory.
 static void smooth_frame(WalkRenderer *w) {
     const WalkTargets *t = &w->targets;
-    if (w->smoother.width != t->width || w->smoother.height != t->height) {
+    size_t pixels = (size_t)t->width * (size_t)t->height;
+    if (w->frame_pixels != pixels) {
         arena_free(&w->frame_arena);
-        w->frame = ARENA_ARRAY(&w->frame_arena, uint32_t, (size_t)t->width * (size_t)t->height);
+        w->frame = ARENA_ARRAY(&w->frame_arena, uint32_t, pixels);
+        w->frame_pixels = pixels;
     }
     // Rows follow one another without gaps.
     glPixelStorei(GL_PACK_ALIGNMENT, sizeof *w->frame);

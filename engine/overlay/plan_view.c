@@ -147,7 +147,7 @@ static void draw_cells(const PlanDrawing *d) {
     const PlanView *view = d->view;
     const CellGraph *graph = view->graph;
     double *strength = ARENA_ARRAY(d->scratch, double, d->cells.count + 1);
-    for (int i = 0; view->visible && i < view->visible->cell_count; i++) {
+    for (int i = 0; d->cells.count > 0 && view->visible && i < view->visible->cell_count; i++) {
         const VisibleCell *seen = &view->visible->cells[i];
         const int *at =
             bsearch(&seen->cell, d->cells.items, (size_t)d->cells.count, sizeof *d->cells.items, by_number);

@@ -29,16 +29,16 @@ static bool check_size(const char *file, double side, const CellGraph *graph, bo
         area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
     }
     double elements = area / side / side + graph->polygon_count;
-    if (!in_parts && !memory_fits((size_t)(LEAST_BYTES * elements)))
+    if (elements > MOST_ELEMENTS)
         return error_set(
-            error,
-            "%s: its light, about %.2g elements, takes more memory than there is for it, at least %.0f MB "
-            "(--memory MB allows more, --element M of larger elements takes less)",
-            file, elements, LEAST_BYTES * elements / (1 << 20));
-    if (elements <= MOST_ELEMENTS) return true;
-    return error_set(error,
-                     "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
-                     file, area, side, area / side / side, MOST_ELEMENTS);
+            error, "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
+            file, area, side, area / side / side, MOST_ELEMENTS);
+    if (in_parts || memory_fits((size_t)(LEAST_BYTES * elements))) return true;
+    return error_set(
+        error,
+        "%s: its light, about %.2g elements, takes more memory than there is for it, at least %.0f MB "
+        "(--memory MB allows more, --element M of larger elements takes less)",
+        file, elements, LEAST_BYTES * elements / (1 << 20));
 }
 
 // The file of a light that is resumed has the splits: light there asks for them no more, and a part that does not fit is told by name.

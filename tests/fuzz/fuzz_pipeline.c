@@ -275,15 +275,15 @@ static bool mesh_of(Scene *s, const RadOptions *rad, Mesh *out) {
     options.threads = 1;
     options.proxies = proxies_find(&s->graph, options.proxy, s->arena);
     Error error = {""};
-    bool made;
+    // Of slivers a kilometre long there are more elements than their area tells.
+    bool made = mesh_build(&s->graph, s->doors, &options, s->arena, out, &error);
+    if (made && out->element_count > MOST_ELEMENTS) return false;
     if (random_index(&s->random, 4) == 0) {
         AdaptOptions adapt = adapt_default_options();
         AdaptScene scene = {&s->graph, &s->forest, s->doors, NULL};
         adapt.few = 300;
         adapt.smallest = options.element / 2;
         made = adapt_mesh(&scene, &options, &adapt, rad, NULL, s->arena, out, &error);
-    } else {
-        made = mesh_build(&s->graph, s->doors, &options, s->arena, out, &error);
     }
     demand(made || error.text[0], "a mesh, or a sentence");
     return made && out->element_count <= MOST_ELEMENTS;

@@ -275,7 +275,7 @@ static bool mesh_of(Scene *s, const RadOptions *rad, Mesh *out) {
     options.threads = 1;
     options.proxies = proxies_find(&s->graph, options.proxy, s->arena);
     Error error = {""};
-    // Of slivers a kilometre long there are more elements than their area tells.
+    // Slivers a kilometre long have more elements than their area tells.
     bool made = mesh_build(&s->graph, s->doors, &options, s->arena, out, &error);
     if (made && out->element_count > MOST_ELEMENTS) return false;
     if (random_index(&s->random, 4) == 0) {

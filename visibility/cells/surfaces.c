@@ -667,9 +667,8 @@ void build_surfaces(CellBuilder *builder) {
                                builder->object_capacity);
     graph->portals = arena_fit(arena, graph->portals, sizeof *graph->portals, graph->portal_count,
                                builder->portal_capacity);
-    graph->portal_vertices =
-        arena_fit(arena, graph->portal_vertices, sizeof *graph->portal_vertices, graph->portal_vertex_count,
-                  builder->portal_vertex_capacity);
+    graph->portal_vertices = arena_fit(arena, graph->portal_vertices, sizeof *graph->portal_vertices,
+                                       graph->portal_vertex_count, builder->portal_vertex_capacity);
     graph->plan =
         arena_fit(arena, graph->plan, sizeof *graph->plan, graph->plan_count, builder->plan_capacity);
 }

@@ -30,7 +30,6 @@ struct WalkMesh {
     unsigned char *has_glass;       // [object_count]
     unsigned char *runs;            // [object_count] bit i: some polygon is of run i as in walk_textures.h
     const unsigned char *left_out;  // of the list being made
-    float *share;                   // [leaf_count] how far leaves are open
     Ordered *order;                 // [order_capacity] of the list being made
     int *chosen;                    // [chosen_capacity] the panes alone
     unsigned *list;                 // [list_capacity] the frame's indices, as uploaded
@@ -49,11 +48,7 @@ struct WalkMesh {
 
 Vec3 walk_mesh_origin(const WalkMesh *mesh) { return mesh->origin; }
 
-void walk_mesh_pose(WalkMesh *mesh, const float *door_open) {
-    const Building *b = mesh->graph->building;
-    for (int i = 0; i < b->leaf_count; i++) mesh->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
-    walk_store_pose(mesh->store, door_open);
-}
+void walk_mesh_pose(WalkMesh *mesh, const float *door_open) { walk_store_pose(mesh->store, door_open); }
 
 // ---- set-up
 
@@ -97,14 +92,12 @@ WalkMesh *walk_mesh_new(const CellGraph *graph, const WalkTextures *textures, co
     mesh->lights = walk_lights(graph, mesh->origin, arena);
     mesh->has_glass = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1);
     mesh->runs = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1);
-    mesh->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
     mesh->ahead_cell = -1;
     mesh->cell_listed = ARENA_ARRAY(arena, unsigned, graph->cell_count + 1);
     mesh->object_listed = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     describe_objects(mesh);
     mesh->store = walk_store_new(graph, textures, &mesh->lights, mesh->origin, limits, arena, error);
     if (!mesh->store) return NULL;
-    walk_mesh_pose(mesh, NULL);
     upload_lamps(mesh);
     make_once(mesh);
     glGenBuffers(1, &mesh->list_buffer);
@@ -314,12 +307,8 @@ static void draw_once(const WalkMesh *mesh, int count, unsigned primitive) {
     glDrawArrays(primitive, 0, count);
 }
 
-// The place of a corner of a polygon, which moves with a leaf unless that is -1.
 static void put_corner(const WalkMesh *mesh, int leaf, int vertex, float out[3]) {
-    const CellGraph *graph = mesh->graph;
-    Vec3 v = graph->vertices[vertex];
-    if (leaf >= 0) v = leaf_point(&graph->building->leaves[leaf], (double)mesh->share[leaf], v);
-    v = vec3_sub(v, mesh->origin);
+    Vec3 v = vec3_sub(walk_store_corner(mesh->store, leaf, vertex), mesh->origin);
     out[0] = (float)v.x;
     out[1] = (float)v.y;
     out[2] = (float)v.z;

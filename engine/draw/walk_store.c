@@ -90,9 +90,10 @@ static bool is_surface(const CellGraph *graph, int object) {
     return graph->objects[object].kind == OBJECT_SURFACE;
 }
 
+// Of an object that is held.
 static Held *held_of(const WalkStore *store, int object) {
     int place = store->place[object];
-    return place < 0 ? NULL : (Held *)&store->halves[place & 1].held[place >> 1];
+    return &store->halves[place & 1].held[place >> 1];
 }
 
 // How far a leaf's object is open; of others 1.
@@ -482,10 +483,10 @@ static void turn_early(WalkStore *store, const int *objects, int count) {
         store->refused = half->held_count;
 }
 
-int walk_store_hold_ahead(WalkStore *store, const int *objects, int count, int most) {
+void walk_store_hold_ahead(WalkStore *store, const int *objects, int count, int most) {
     const Half *half = &store->halves[store->current];
     int chosen = 0, points = 0;
-    if (store->half_count == 1) return 0;
+    if (store->half_count == 1) return;
     arena_reset(&store->scratch);
     int *next = ARENA_ARRAY(&store->scratch, int, count + 1),
         *before = ARENA_ARRAY(&store->scratch, int, count + 1);
@@ -497,16 +498,21 @@ int walk_store_hold_ahead(WalkStore *store, const int *objects, int count, int m
         points += points_of(store, objects[i]);
     }
     if (chosen == 0) turn_early(store, objects, count);
-    if (chosen == 0 || taken(store, half) > 1 - LEFT_TO_FRAMES) return 0;
+    if (chosen == 0 || taken(store, half) > 1 - LEFT_TO_FRAMES) return;
     for (int i = 0; i < chosen; i++) store->place[next[i]] = -1;
-    if (take_objects(store, next, chosen) == NOTHING) return points;
+    if (take_objects(store, next, chosen) == NOTHING) return;
     for (int i = 0; i < chosen; i++) store->place[next[i]] = before[i];
-    return 0;
 }
 
 void walk_store_pose(WalkStore *store, const float *door_open) {
     const Building *b = store->graph->building;
     for (int i = 0; i < b->leaf_count; i++) store->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
+}
+
+Vec3 walk_store_corner(const WalkStore *store, int leaf, int vertex) {
+    const CellGraph *graph = store->graph;
+    Vec3 v = graph->vertices[vertex];
+    return leaf < 0 ? v : leaf_point(&graph->building->leaves[leaf], (double)store->share[leaf], v);
 }
 
 // ---- interface

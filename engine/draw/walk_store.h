@@ -31,14 +31,16 @@ void walk_store_free(WalkStore *store);  // NULL is allowed
 
 // Puts the leaves of doors where `door_open` has them, as for vis_query; at first all are wide open.
 void walk_store_pose(WalkStore *store, const float *door_open);
+// A corner of a polygon that moves with a leaf unless that is -1, as it is posed.
+Vec3 walk_store_corner(const WalkStore *store, int leaf, int vertex);
 
 bool walk_store_whole(const WalkStore *store);
 
 // Sees to it that these objects are held, with their leaves as they are posed. What was held before stays where it fits.
 void walk_store_hold(WalkStore *store, const int *objects, int count);
 // The same for those objects that would be the next to go, in the order given, as far as they fit beside what one frame needs, until the
-// light of `most` points was computed, corners and texels. Returns how many.
-int walk_store_hold_ahead(WalkStore *store, const int *objects, int count, int most);
+// light of `most` points was computed, corners and texels.
+void walk_store_hold_ahead(WalkStore *store, const int *objects, int count, int most);
 
 // The triangles of a held object's polygons, one polygon after another, three indices to a triangle.
 const unsigned *walk_store_triangles(const WalkStore *store, int object);

@@ -23,6 +23,12 @@ static const double SAME_PLACE = 0.01;
 // A ray counts as in the next cell this far beyond the last cell, metres: far above rounding, thinner than any wall.
 static const double BEYOND = 1e-6;
 
+// Finds openings by the boxes of them and of their leaves, wherever these stand. `near` has room for all: a search takes no memory.
+struct DoorPlaces {
+    BoxTree tree;
+    BoxHits near;
+};
+
 bool doors_usable(const Doors *doors, int opening) {
     const Opening *o = &doors->graph->building->openings[opening];
     if (o->kind != OPENING_DOOR) return false;
@@ -53,23 +59,25 @@ Doors doors_new(const CellGraph *graph, Arena *arena) {
     Arena scratch = {0};
     Box *reach = ARENA_ARRAY(arena, Box, b->opening_count + 1);
     for (int i = 0; i < b->opening_count; i++) reach[i] = opening_reach(b, &b->openings[i]);
-    BoxHits near = {0};
     Doors d = {.graph = graph,
-               .places = ARENA_ARRAY(arena, BoxTree, 1),
+               .places = arena_alloc(arena, 1, sizeof *d.places),
                .open = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .wanted = ARENA_ARRAY(arena, float, b->opening_count + 1),
                .halt = ARENA_ARRAY(arena, unsigned char, b->opening_count + 1),
                .near_first = ARENA_ARRAY(arena, int, b->opening_count + 1)};
-    *d.places = box_tree_build(reach, b->opening_count, arena);
+    *d.places = (struct DoorPlaces){
+        box_tree_build(reach, b->opening_count, arena),
+        {.items = ARENA_ARRAY(arena, int, b->opening_count + 1), .capacity = b->opening_count + 1}};
+    BoxHits *near = &d.places->near;
     int capacity = 0, count = 0;
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
         d.open[i] = d.wanted[i] = o->kind == OPENING_DOOR ? (float)o->open : 1;
         d.near_first[i] = count;
         if (o->leaf_count == 0) continue;
-        int found = box_tree_find(d.places, box_grow(reach[i], CLEAR), &scratch, &near);
+        int found = box_tree_find(&d.places->tree, box_grow(reach[i], CLEAR), arena, near);
         for (int n = 0; n < found; n++) {
-            int k = near.items[n];
+            int k = near->items[n];
             if (k != i && may_meet(b, o, &b->openings[k])) *ARENA_PUSH(arena, d.near, count, capacity) = k;
         }
     }
@@ -338,13 +346,12 @@ int doors_looked_at(const Doors *d, Vec3 eye, int cell, Vec3 direction, double r
     const Building *b = d->graph->building;
     double nearest = clear_length(d->graph, eye, cell, direction, reach);
     int found = -1;
-    Arena scratch = {0};
-    BoxHits near = {0};
+    BoxHits *near = &d->places->near;
     Box around =
         box_grow(box_add(box_add(box_empty(), eye), vec3_add(eye, vec3_scale(direction, nearest))), CLEAR);
-    int count = box_tree_find(d->places, around, &scratch, &near);
+    int count = box_tree_find(&d->places->tree, around, NULL, near);
     for (int n = 0; n < count; n++) {
-        int i = near.items[n];
+        int i = near->items[n];
         if (!doors_usable(d, i)) continue;
         double hit = doorway_hit(&b->openings[i], eye, direction);
         for (int k = 0; k < b->openings[i].leaf_count; k++) {
@@ -356,6 +363,5 @@ int doors_looked_at(const Doors *d, Vec3 eye, int cell, Vec3 direction, double r
         nearest = hit;
         found = i;
     }
-    arena_free(&scratch);
     return found;
 }

@@ -15,7 +15,7 @@ typedef struct Doors {
     unsigned char *halt;  // [opening_count] DOOR_FREE, or the obstacle for which the door waits
     int *near_first;      // [opening_count + 1] run i is the doors whose leaves may meet those of door i
     int *near;
-    struct BoxTree *places;  // of all openings, each with its leaves wherever they stand
+    struct DoorPlaces *places;  // of all openings, each with its leaves wherever they stand
 } Doors;
 
 // Makes doors that stand as drawn.

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "engine/core/box_tree.h"
+#include "engine/core/heap.h"
 
 // Columns are this far apart, metres: half the body's radius. Where the building has more than MOST_COLUMNS of them, they are
 // farther apart, up to LARGEST: less than a narrow doorway is wide.
@@ -237,55 +238,60 @@ static void find_clearance(TourFloor *f) {
 
 // ---- which rooms
 
-// Spreads from the cells of `queue` on to others of the same side of the building's walls, until `rooms` regions that are rooms are chosen.
-// Returns how many are in the queue then; cells of the other side that were met go to `beyond`.
-static int spread_rooms(TourFloor *f, bool outdoors, int rooms, int *room_count, unsigned char *region_chosen,
-                        int *queue, int count, int *beyond, int *beyond_count) {
-    const CellGraph *graph = f->graph;
-    for (int i = 0; i < count; i++) {
-        const Cell *cell = &graph->cells[queue[i]];
-        for (int k = cell->first_way; k < cell->first_way + cell->way_count; k++) {
-            int to = graph->ways[k].cell;
-            const Region *region = vis_region(graph, to);
-            if (f->chosen[to]) continue;
-            if ((region->kind == REGION_OUTDOORS) != outdoors) {
-                beyond[(*beyond_count)++] = to;
-                f->chosen[to] = 1;
-                continue;
-            }
-            unsigned char *taken = &region_chosen[graph->cells[to].region];
-            if (region->kind == REGION_ROOM && !*taken) {
-                if (*room_count == rooms) continue;
-                *taken = 1;
-                ++*room_count;
-            }
-            f->chosen[to] = 1;
-            queue[count++] = to;
-        }
-    }
-    return count;
+// May a person go through this region? Windows lead nowhere.
+static bool is_way(const Building *b, const Region *region) {
+    return region->opening < 0 || b->openings[region->opening].kind != OPENING_WINDOW;
 }
 
-// Rooms are reached indoors first, and only then by ways outdoors.
+// A cell that was reached from the start: by how long a way, metres, and where the way enters it.
+typedef struct Reached {
+    double way;
+    int number, cell;  // they are numbered as they are found
+    Vec3 at;
+} Reached;
+
+static bool is_nearer(const void *context, const void *a, const void *b) {
+    (void)context;
+    const Reached *p = a, *q = b;
+    return p->way != q->way ? p->way < q->way : p->number < q->number;
+}
+
+static Vec3 portal_middle(const CellGraph *graph, int portal) {
+    const Portal *p = &graph->portals[portal];
+    Vec3 sum = vec3(0, 0, 0);
+    for (int i = 0; i < p->vertex_count; i++)
+        sum = vec3_add(sum, graph->portal_vertices[p->first_vertex + i]);
+    return vec3_scale(sum, 1.0 / p->vertex_count);
+}
+
+// Chooses the nearest cells, by ways from portal to portal, until they hold so many rooms (E. W. Dijkstra 1959).
 static void choose_rooms(TourFloor *f, int rooms, Arena *arena) {
     const CellGraph *graph = f->graph;
-    int start = vis_locate(graph, graph->building->start, -1), room_count = 0, counts[2] = {0, 0};
     Arena scratch = {0};
-    unsigned char *region_chosen = ARENA_ARRAY(&scratch, unsigned char, graph->building->region_count + 1);
-    int *queues[2] = {ARENA_ARRAY(&scratch, int, graph->cell_count + 1),
-                      ARENA_ARRAY(&scratch, int, graph->cell_count + 1)};
-    f->chosen = ARENA_ARRAY(arena, unsigned char, graph->cell_count + 1);
-    if (start < 0) start = 0;
-    const Region *region = vis_region(graph, start);
-    int side = region->kind == REGION_OUTDOORS;
-    f->chosen[start] = 1;
-    queues[side][counts[side]++] = start;
-    if (region->kind == REGION_ROOM) region_chosen[graph->cells[start].region] = 1, room_count++;
-    while (counts[side] > 0) {
-        spread_rooms(f, side, rooms, &room_count, region_chosen, queues[side], counts[side], queues[1 - side],
-                     &counts[1 - side]);
-        counts[side] = 0;
-        side = 1 - side;
+    unsigned char *taken = ARENA_ARRAY(&scratch, unsigned char, graph->building->region_count);
+    Heap heap = {.items = ARENA_ARRAY(&scratch, Reached, graph->way_count + 1),
+                 .size = sizeof(Reached),
+                 .before = is_nearer};
+    int start = vis_locate(graph, graph->building->start, -1), count = 1, number = 1;
+    f->chosen = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
+    heap_put(&heap, 0, &(Reached){0, 0, start < 0 ? 0 : start, graph->building->start});
+    while (count > 0) {
+        Reached next = *(const Reached *)heap_at(&heap, 0);
+        const Cell *cell = &graph->cells[next.cell];
+        heap_drop_first(&heap, count--);
+        if (f->chosen[next.cell]) continue;
+        if (vis_region(graph, next.cell)->kind == REGION_ROOM && !taken[cell->region]) {
+            if (rooms-- == 0) break;
+            taken[cell->region] = 1;
+        }
+        f->chosen[next.cell] = 1;
+        for (int k = cell->first_way; k < cell->first_way + cell->way_count; k++) {
+            Way way = graph->ways[k];
+            if (f->chosen[way.cell] || !is_way(graph->building, vis_region(graph, way.cell))) continue;
+            Vec3 at = portal_middle(graph, way.portal);
+            Reached beyond = {next.way + vec3_length(vec3_sub(at, next.at)), number++, way.cell, at};
+            heap_rise(&heap, count++, &beyond);
+        }
     }
     arena_free(&scratch);
 }
@@ -367,7 +373,7 @@ void tour_floor_make(const CellGraph *graph, int rooms, Arena *arena, TourFloor 
         reach[count++] = box_grow(graph->object_boxes[i], BODY_RADIUS);
     }
     w.reach = box_tree_build(reach, count, &scratch);
-    if (rooms > 0 && b->region_count > 0) choose_rooms(out, rooms, arena);
+    if (rooms > 0) choose_rooms(out, rooms, arena);
     lay(out, arena);
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = vis_region(graph, c);

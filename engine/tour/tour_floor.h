@@ -38,8 +38,8 @@ typedef struct TourFloor {
     unsigned char *chosen;  // [cell_count] the cells that the tour may enter; NULL: all
 } TourFloor;
 
-// `rooms`: the floors of at most so many rooms, those nearest to the start by the number of cells on the way, and of doorways and stairs
-// there; 0: of the whole building.
+// `rooms`: the floors of at most so many rooms, those with the shortest ways from the start, and of doorways and stairs there, in a
+// building of regions; 0: of the whole building.
 void tour_floor_make(const CellGraph *graph, int rooms, Arena *arena, TourFloor *out);
 // The place nearest to `foot` in plan within two columns and at most a step higher or lower; -1: none.
 int tour_floor_at(const TourFloor *floor, Vec3 foot);

@@ -90,7 +90,7 @@ static bool is_surface(const CellGraph *graph, int object) {
     return graph->objects[object].kind == OBJECT_SURFACE;
 }
 
-// Of an object that is held.
+// The entry of an object that is held.
 static Held *held_of(const WalkStore *store, int object) {
     int place = store->place[object];
     return &store->halves[place & 1].held[place >> 1];

@@ -255,6 +255,41 @@ Test(sh3d, leaves_of_doors) {
     }
 }
 
+// A model that names no parts, closed and open: the frame, whose face goes round the way, and the stop on its head stay; what fills
+// the way is the leaf, and the handle on it goes along.
+Test(sh3d, leaves_without_names) {
+    // The frame's face and the stop; the leaf and the handle on its front. Open, the leaf stands out by 0.8 m, and so does its handle.
+    static const char MODEL[] =
+        "v -0.45 0 0\nv -0.4 0 0\nv -0.4 1.95 0\nv 0.4 1.95 0\nv 0.4 0 0\nv 0.45 0 0\n"
+        "v 0.45 2 0\nv -0.45 2 0\nf 1 2 3 4 5 6 7 8\n"
+        "v -0.1 1.97 0\nv 0.1 1.97 0\nv 0.1 1.99 0.02\nf 9 10 11\n%s";
+    static const char *const LEAF[] = {
+        "v -0.39 0 0\nv 0.39 0 0\nv 0.39 1.94 0\nv -0.39 1.94 0\nf 12 13 14 15\n"
+        "v 0.3 1 0.01\nv 0.35 1 0.01\nv 0.35 1.02 0.06\nf 16 17 18\n",
+        "v -0.39 0 0\nv -0.39 0 0.8\nv -0.39 1.94 0.8\nv -0.39 1.94 0\nf 12 13 14 15\n"
+        "v -0.41 1 0.7\nv -0.41 1 0.75\nv -0.46 1.02 0.75\nf 16 17 18\n"};
+    for (int open = 0; open < 2; open++) {
+        char model[1024], xml[1024];
+        snprintf(model, sizeof model, MODEL, LEAF[open]);
+        snprintf(xml, sizeof xml,
+                 "<home wallHeight='250'>" HOME_ROOM "<doorOrWindow name='Door' x='300' y='0' width='90' "
+                 "depth='%s' height='200' model='1'>" HOME_SASH_LEFT "</doorOrWindow></home>",
+                 open ? "80" : "6");
+        HomeEntry entries[] = {{"Home.xml", xml, strlen(xml)}, {"1", model, strlen(model)}};
+        Home h = home_of_zip(entries, 2);
+        cr_assert(h.good, "%s", h.error.text);
+        cr_assert_eq(h.sketch.openings[0].leaf_count, 1);
+        cr_assert_eq(h.b.object_count, 2);
+        cr_expect_eq(h.b.objects[0].kind, OBJECT_FRAME);
+        cr_expect_eq(h.b.objects[1].kind, OBJECT_LEAF);
+        int polygons = h.b.objects[1].polygon_count;
+        cr_expect_eq(polygons, 2, "%s: %d polygons go with the leaf, and %d stay", open ? "open" : "closed",
+                     polygons, h.b.objects[0].polygon_count);
+        cr_expect_float_eq(h.sketch.openings[0].open, open, 0.05);
+        home_free(&h);
+    }
+}
+
 // The first of two leaves on rails slides over the second, which stays; a leaf without a height is none but of the frame.
 Test(sh3d, leaves_on_rails) {
     static const char MODEL[] = "v -1 0 0\nv 0 0 0\nv 0 2 0\nv -1 2 0\n"

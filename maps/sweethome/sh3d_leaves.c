@@ -23,7 +23,7 @@ static const double ABOVE_SILL = 0.03, BELOW_HEAD = 0.9;
 static const double OPEN_DEPTH = 0.3, OPEN_HEIGHT = 0.6;
 // As thick as a leaf counts where handles stick out, and as thin; metres.
 static const double THICKEST = 0.08, THINNEST = 0.02;
-// What is fixed to a leaf, as a handle, stands out by this at most, and its edge lies within this of the leaf's; metres.
+// A handle and its like on a leaf stand out by this at most, and their edges lie within this of the leaf's; metres.
 static const double HANDLE = 0.1, HANDLE_EDGE = 0.01;
 
 typedef struct Finder {
@@ -139,7 +139,7 @@ static int *find_pieces(const Finder *f) {
     return parent;
 }
 
-// Of the plumb line through the middle of its box, does the face cover anything between sill and head? The face of a frame goes round the
+// Does the face cover any of the plumb line through the middle of its box between sill and head? The face of a frame goes round the
 // way: the middle of its box is in the way, too, but not the face. A face that is seen edge-on covers all.
 static bool covers_way(const Finder *f, int face, double x) {
     const ObjFace *at = &f->m->faces[face];

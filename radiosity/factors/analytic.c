@@ -61,6 +61,7 @@ typedef struct Waiting {
 // left, and recursion could overflow the machine's stack. The stack for most views fits in the struct.
 typedef struct Subtraction {
     const AnalyticOccluder *occluder;
+    const int *which;  // [occluder_count] NULL: the first ones
     int occluder_count, rank;
     void (*piece)(void *context, const Vec3 *polygon, int count);
     void *context;
@@ -138,6 +139,10 @@ static void turn_round(Subtraction *s, int first, int corners) {
         s->waiting[i].left = i == first ? corners : s->corner_count;
 }
 
+static const AnalyticOccluder *occluder_at(const Subtraction *s, int i) {
+    return &s->occluder[s->which ? s->which[i] : i];
+}
+
 // Takes the top piece of the stack: the first occluder that hides any part of the piece cuts it; if there is none, the piece is
 // visible and `piece` is called.
 static void subtract(Subtraction *s) {
@@ -147,25 +152,26 @@ static void subtract(Subtraction *s) {
     s->corner_count = taken.left;
     bool in_plane = false;
     int next = taken.next, count = taken.count, first = s->waiting_count, corners = s->corner_count;
-    while (next < s->occluder_count && !may_hide(&s->occluder[next], inside, count, s->rank, &in_plane))
+    while (next < s->occluder_count && !may_hide(occluder_at(s, next), inside, count, s->rank, &in_plane))
         next++;
     if (next == s->occluder_count) {
         s->piece(s->context, inside, count);
         return;
     }
-    const AnalyticOccluder *o = &s->occluder[next];
+    const AnalyticOccluder *o = occluder_at(s, next);
     if (!in_plane) count = split(s, inside, count, o->beyond, next + 1);
     for (int e = 0; e < o->edge_count && count >= 3; e++)
         count = split(s, inside, count, o->edge[e], next + 1);
     turn_round(s, first, corners);
 }
 
-long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
-                           int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
-                           void *context) {
+long long analytic_visible_among(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
+                                 const int *which, int which_count,
+                                 void (*piece)(void *context, const Vec3 *polygon, int count),
+                                 void *context) {
     CORE_ASSERT(count < ANALYTIC_CORNERS);
     Subtraction s;
-    s.occluder = occluder, s.occluder_count = occluder_count, s.rank = rank;
+    s.occluder = occluder, s.which = which, s.occluder_count = which_count, s.rank = rank;
     s.piece = piece, s.context = context, s.cuts = 0;
     s.corner = s.few_corners, s.corner_count = 0,
     s.corner_capacity = sizeof s.few_corners / sizeof *s.few_corners;
@@ -177,6 +183,12 @@ long long analytic_visible(const Vec3 *polygon, int count, int rank, const Analy
     if (s.corner != s.few_corners) memory_free(s.corner);
     if (s.waiting != s.few) memory_free(s.waiting);
     return s.cuts;
+}
+
+long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
+                           int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
+                           void *context) {
+    return analytic_visible_among(polygon, count, rank, occluder, NULL, occluder_count, piece, context);
 }
 
 void analytic_sight_add(void *context, const Vec3 *polygon, int count) {

@@ -29,6 +29,10 @@ bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, An
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
                            int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
                            void *context);
+// The same where only the occluders `which` [which_count], ascending, may hide any of the polygon: all others are in other directions.
+long long analytic_visible_among(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
+                                 const int *which, int which_count,
+                                 void (*piece)(void *context, const Vec3 *polygon, int count), void *context);
 // The part of a polygon in sight of the origin, piece after piece: the share of light from the origin, about z, that meets it; its area,
 // m^2; and its middle times its area.
 typedef struct AnalyticSight {

@@ -7,6 +7,7 @@
 #include "engine/core/polygon.h"
 #include "radiosity/factors/analytic.h"
 #include "radiosity/factors/face_grid.h"
+#include "radiosity/factors/occluder_sieve.h"
 #include "radiosity/factors/row.h"
 
 // A row whose sum misses 1 by no more than this is closed: the missing share is rounding, not sky.
@@ -24,6 +25,7 @@ typedef struct Analytic {
     const Mesh *mesh;
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
+    OccluderSieve *sieve;        // of the occluders of the view
     // The face at hand.
     FaceGrid grid;
     RowSum *sum;
@@ -37,6 +39,7 @@ static void *analytic_start(const Mesh *mesh, const FormFactorOptions *options, 
     self->mesh = mesh;
     self->occluder = ARENA_ARRAY(arena, AnalyticOccluder, mesh->face_count);
     self->edge = ARENA_ARRAY(arena, Plane, mesh->outline_count);
+    self->sieve = occluder_sieve_new(mesh->face_count, arena);
     return self;
 }
 
@@ -110,12 +113,14 @@ static void exact_row(void *context, const View *view, RowSum *sum, FormFactorWo
     self->slit = ANALYTIC_SLIT + ANALYTIC_SLIT_FAR * vec3_length(view->eye);
     int occluders = 0;
     Plane *edge = self->edge;
+    occluder_sieve_clear(self->sieve);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *f = &view->faces[i];
         AnalyticOccluder *o = &self->occluder[occluders];
         if (!analytic_occluder(view->vertices + f->first_vertex, f->vertex_count, form_factor_rank(f), edge,
                                o))
             continue;
+        occluder_sieve_add(self->sieve, view->vertices + f->first_vertex, f->vertex_count);
         occluders++;
         edge += o->edge_count;
     }
@@ -123,8 +128,11 @@ static void exact_row(void *context, const View *view, RowSum *sum, FormFactorWo
         const ViewFace *f = &view->faces[i];
         self->grid = face_grid(self->mesh, view, f->face);
         self->back = f->d > 0;
-        work->tests += analytic_visible(view->vertices + f->first_vertex, f->vertex_count,
-                                        form_factor_rank(f), self->occluder, occluders, add_row_piece, self);
+        const Vec3 *polygon = view->vertices + f->first_vertex;
+        int count;
+        const int *which = occluder_sieve_ask(self->sieve, polygon, f->vertex_count, &count);
+        work->tests += analytic_visible_among(polygon, f->vertex_count, form_factor_rank(f), self->occluder,
+                                              which, count, add_row_piece, self);
     }
     if (1 - self->total <= ANALYTIC_CLOSED) return;
     sum->escaped += 1 - self->total;

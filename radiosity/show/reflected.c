@@ -30,8 +30,8 @@ enum { RESOLUTION = 40 };
 enum { PARTS_A_LOOK = 1024 };
 
 // Within a patch light may change by this share of its value as its elements tell it. Elements smaller than this share of their mean have
-// too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
-static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
+// too few samples to tell anything; and where samples may miscount an element's light by this share, steps between elements are theirs.
+static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.07;
 
 // The reflected light of an element as shots tell it, W/m^2.
 static void reflected_by_shots(const Mesh *mesh, const RadSolution *s, int e, double out[3]) {
@@ -47,7 +47,8 @@ static void find_patch_values(const Mesh *mesh, const RadSolution *s, int p, dou
     double rho[3];
     rgb_doubles(mesh_material(mesh, patch->face)->reflectance, rho);
     for (int e = first; e < end; e++) reflected_by_shots(mesh, s, e, out[e]);
-    double trust = fmax(0, 1 - (double)s->noise[p] / NOISY);
+    // An element has its share of the samples that meet the patch.
+    double trust = fmax(0, 1 - (double)s->noise[p] * sqrt(patch->element_count) / NOISY);
     for (int c = 0; c < 3; c++) {
         double value = s->reflected[p][c], power = 0, area = 0;
         for (int e = first; e < end; e++) {

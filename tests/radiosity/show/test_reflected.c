@@ -41,11 +41,12 @@ static double shown_at(Lit *lit, const RadSolution *s, int element, double noise
     return sum;
 }
 
-static Lit *lit_room(RadSolution *s) {
+// Patches are so many elements wide.
+static Lit *lit_room(int wide, RadSolution *s) {
     Lit *lit = lit_new();
     lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
     lit_lamp(lit, vec3(2, 1.5, 2.4));
-    lit_finish(lit, 0.5, 2);
+    lit_finish(lit, 0.5, wide);
     RadOptions options = rad_default_options();
     options.form_factor.resolution = 48;
     options.residual = 0.01;
@@ -54,14 +55,14 @@ static Lit *lit_room(RadSolution *s) {
     return lit;
 }
 
-// One of four elements of a patch.
-static int element_of_floor(const Lit *lit) {
+// One of so many elements of a patch.
+static int element_of_floor(const Lit *lit, int count) {
     for (int p = 0; p < lit->mesh.patch_count; p++) {
         const Patch *patch = &lit->mesh.patches[p];
-        if (patch->element_count == 4 && lit->mesh.faces[patch->face].plane.n.z > 0.99)
+        if (patch->element_count == count && lit->mesh.faces[patch->face].plane.n.z > 0.99)
             return patch->first_element;
     }
-    cr_assert_fail("no patch of the floor has four elements");
+    cr_assert_fail("no patch of the floor has %d elements", count);
     return -1;
 }
 
@@ -70,8 +71,8 @@ static int element_of_floor(const Lit *lit) {
 // half of the light are shown as a half.
 Test(reflected, steps_within_patches_as_far_as_samples_tell) {
     RadSolution s;
-    Lit *lit = lit_room(&s);
-    int element = element_of_floor(lit);
+    Lit *lit = lit_room(2, &s);
+    int element = element_of_floor(lit, 4);
     static const struct {
         double noise, step;
         bool seen;
@@ -88,12 +89,29 @@ Test(reflected, steps_within_patches_as_far_as_samples_tell) {
     lit_free(lit);
 }
 
+// Proves that a step counts less where a patch has more elements, since each of them has its share of the samples: one of four shows what
+// one of sixteen of an equally noisy patch, whose steps would be blotches, does not.
+Test(reflected, steps_of_small_elements_are_of_few_samples) {
+    for (int wide = 2; wide <= 4; wide += 2) {
+        RadSolution s;
+        Lit *lit = lit_room(wide, &s);
+        int element = element_of_floor(lit, wide * wide);
+        double even = shown_at(lit, &s, element, 0.02, 0), with = shown_at(lit, &s, element, 0.02, 0.2);
+        printf("one of %d elements: shown %+.3f of a step of 0.2\n", wide * wide, with / even - 1);
+        if (wide == 2)
+            cr_expect_gt(with / even - 1, 0.02);
+        else
+            cr_expect_float_eq(with / even - 1, 0, 1e-6);
+        lit_free(lit);
+    }
+}
+
 // Proves that an element gathers by itself where shots tell it from its patch, as where a thing covers half of the patch. An element with
 // five times the patch's reflected light is off by more than a quarter of all light, the lamp's included; one a twentieth off is not.
 Test(reflected, elements_gather_where_shots_tell_them_from_their_patch) {
     RadSolution s;
-    Lit *lit = lit_room(&s);
-    int element = element_of_floor(lit), patch = lit->mesh.elements[element].patch;
+    Lit *lit = lit_room(2, &s);
+    int element = element_of_floor(lit, 4), patch = lit->mesh.elements[element].patch;
     Nodes nodes = nodes_of(&lit->mesh, &lit->arena);
     static const struct {
         double step;

@@ -1,8 +1,8 @@
 // sh3d_leaves.c - the leaves that the models of doors draw, and how they move.
 //
 // The program's own models name their moving parts (`sweethome3d_opening_on_hinge_1_door`, `sweethome3d_window_pane_on_rail_2`) and the
-// hinges they turn on (`sweethome3d_hinge_1_2`). In other models, also those that the program had before 5.7, the leaf is the part that
-// stands in the way, or sticks out of the wall, with what is fixed to it.
+// hinges they turn on (`sweethome3d_hinge_1_2`). In other models, also older ones of the program, the leaf is the part that stands in the
+// way, or sticks out of the wall, with what is fixed to it.
 //
 // Everything is found in the piece's own frame: x to its right, y to its back, the origin in its middle.
 #include <stdlib.h>

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "engine/core/file.h"
+#include "engine/core/parallel.h"
 #include "radiosity/planner/room_light.h"
 
 // How far a point may lie off a face, metres: the rounding error of coordinates written by hand.
@@ -130,21 +131,34 @@ static void set_radiosity(const Mesh *mesh, int face, Probe *probe) {
     for (int c = 0; c < 3; c++) probe->radiosity[c] = (double)e[c] + (double)rho[c] * probe->irradiance[c];
 }
 
-void bake_probes_gather(const GatherScene *scene, Probes *probes) {
+typedef struct Gathering {
+    const GatherScene *scene;
+    Gatherer **gatherer;  // [threads]
+    Probe *probes;
+} Gathering;
+
+static void gather_probe(void *context, int index, int thread) {
+    const Gathering *g = context;
+    const Mesh *mesh = g->scene->mesh;
+    Probe *probe = &g->probes[index];
+    int face = face_at(mesh, probe);
+    Vec3 place = place_on(mesh, face, probe->place);
+    int cell = gather_cell(mesh->graph, place, probe->normal, -1);
+    gather(g->gatherer[thread], &(ViewPoint){place, probe->normal, cell}, probe->irradiance);
+    set_radiosity(mesh, face, probe);
+}
+
+void bake_probes_gather(const GatherScene *scene, int threads, Probes *probes) {
     Arena scratch = {0};
     GatherOptions options = gather_exact_options();
+    threads = parallel_threads(threads);
+    if (threads > probes->count) threads = probes->count;
+    Gathering g = {scene, ARENA_ARRAY(&scratch, Gatherer *, threads + 1), probes->probes};
     // Light through a window comes along few directions.
     if (daylight_shines(&scene->solution->day)) options.resolution = ROOM_SKY_RESOLUTION;
-    Gatherer *gatherer = gatherer_new(scene, &options, &scratch);
-    for (int i = 0; i < probes->count; i++) {
-        Probe *probe = &probes->probes[i];
-        int face = face_at(scene->mesh, probe);
-        Vec3 place = place_on(scene->mesh, face, probe->place);
-        int cell = gather_cell(scene->mesh->graph, place, probe->normal, -1);
-        gather(gatherer, &(ViewPoint){place, probe->normal, cell}, probe->irradiance);
-        set_radiosity(scene->mesh, face, probe);
-    }
-    gatherer_end(gatherer);
+    for (int t = 0; t < threads; t++) g.gatherer[t] = gatherer_new(scene, &options, &scratch);
+    parallel_for(threads, probes->count, gather_probe, &g);
+    for (int t = 0; t < threads; t++) gatherer_end(g.gatherer[t]);
     arena_free(&scratch);
 }
 

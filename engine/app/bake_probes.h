@@ -23,8 +23,8 @@ bool bake_probe_parse(const char *text, Arena *arena, Probes *out, Error *error)
 bool bake_probes_read(const char *path, Arena *arena, Probes *out, Error *error);
 
 // Gathers the light of the elements that each point sees, by an exact row of form factors for each point: a sliver of a lamp in a
-// doorway's corner may give a third of the light that arrives at a point.
-void bake_probes_gather(const GatherScene *scene, Probes *probes);
+// doorway's corner may give a third of the light that arrives at a point. On so many threads, 0: all cores; the light is the same.
+void bake_probes_gather(const GatherScene *scene, int threads, Probes *probes);
 
 void bake_probes_print(const Probes *probes);  // x y z nx ny nz HR HG HB BR BG BB, a line each
 json_t *bake_probes_json(const Probes *probes);

@@ -488,7 +488,7 @@ static void print_warnings(const Bake *bake) {
 static void gather_probes(const Bake *bake, Probes *probes) {
     if (probes->count == 0) return;
     GatherScene scene = {&bake->probed->mesh, &bake->scene.forest, bake->doors, &bake->probed_light, NULL};
-    bake_probes_gather(&scene, probes);
+    bake_probes_gather(&scene, bake->rad.threads, probes);
 }
 
 static void print_bake(Bake *bake) {

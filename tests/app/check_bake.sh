@@ -27,6 +27,9 @@ for rad in 2 7 none; do cmp -s "$work/1.rad" "$work/$rad.rad" || fail ".rad diff
 printf '# a point\n1 1 0 0 0 1\n' >"$work/points"
 bake 0 -o "$work/1.rad" --probes "$work/points" --probe 1,1,1,0,0,-1
 [ "$(awk 'NF == 12 && $7 > 0' "$work/out" | wc -l)" -eq 2 ] || fail "two probes are $(tail -2 "$work/out")"
+tail -2 "$work/out" >"$work/probes"
+bake 0 -o "$work/1.rad" --probes "$work/points" --probe 1,1,1,0,0,-1 --threads 1
+tail -2 "$work/out" | cmp -s - "$work/probes" || fail "probes on one thread are $(tail -2 "$work/out")"
 printf '1 1 0 0 1\n' >"$work/points"
 bake 1 -o "$work/1.rad" --probes "$work/points" && says err 'points:1'
 # Broken off and resumed, it ends the same; what does not fit is refused.
@@ -188,6 +191,7 @@ rm -f "$work"/1.rad.??????
 # Interrupted, it stores what there is.
 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --json >"$work/out" 2>"$work/err" &
 # It takes note of Ctrl-C once there is light: then the signal, 2, is among those that it catches.
+started $!
 while grep -q 'SigCgt:.*[014589cd]$' /proc/$!/status; do sleep 0.1; done 2>/dev/null
 kill -INT $!
 wait $!
@@ -210,6 +214,7 @@ for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
     rm -f "$work/early.rad"
     wait=$((RANDOM % 16))  # of about 15
     "$program" bake $maps/two-rooms.plan -o "$work/early.rad" --element 0.5 --resolution 50 --residual 0.05 >/dev/null 2>"$work/err" &
+    started $!
     while [ "$(cpu $!)" -lt $wait ]; do sleep 0.01; done
     kill -INT $! 2>/dev/null
     wait $!

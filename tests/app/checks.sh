@@ -34,6 +34,9 @@ same() { cmp -s "$1" "$2" || fail "$3"; }
 full_disk() { (trap '' XFSZ; ulimit -f "$1"; shift; exec "$@") >/dev/null 2>"$work/err"; }
 # cpu PID: hundredths of a second of CPU that a process has taken so far. What waits for them waits longer on a busy machine.
 cpu() { awk '{ print $14 + $15 }' "/proc/$1/stat" 2>/dev/null || echo 100000; }
+# started PID: waits until the process that was begun with `&` runs its program: until then it is a shell, which a signal would end as this
+# script ends, its scratch folder with it.
+started() { while [ "$(cat "/proc/$1/comm" 2>/dev/null)" = bash ]; do sleep 0.01; done; }
 # start_screen: a virtual screen, named by DISPLAY, whose pixels are in "$work/Xvfb_screen0"; it goes when the script ends.
 start_screen() {
     command -v Xvfb >/dev/null || skip 'Xvfb is not installed'

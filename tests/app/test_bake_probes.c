@@ -47,7 +47,7 @@ static Differences differences(const char *name, const char *own, double element
     Probes probes = {0};
     Error error = {""};
     cr_assert(bake_probes_read(path, &arena, &probes, &error), "%s", error.text);
-    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, 1, &probes);
     Differences d = {.count = probes.count};
     for (int i = 0; i < probes.count; i++) {
         double h = expected_irradiance(&arena, name, own, i);
@@ -102,7 +102,7 @@ Test(bake_probes, closed_forms) {
                                          "2,1.5,1,0,0,-1"};
     for (int i = 0; i < 5; i++)
         cr_assert(bake_probe_parse(POINTS[i], &arena, &probes, &error), "%s", error.text);
-    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, 1, &probes);
     const Probe *p = probes.probes;
     // A point under the centre and under a corner of a unit square, 1 m below, in closed form.
     cr_assert_float_eq(p[0].irradiance[0], 12 * .23945647046, 1e-6);
@@ -166,11 +166,11 @@ Test(bake_probes, beside_a_slanted_face) {
     Vec3 n = face->plane.n, on = vec3(0.85, 1.1, 0.6);
     on = vec3_sub(on, vec3_scale(n, vec3_dot(n, vec3_sub(on, face->origin))));
     Probe exact = {.place = on, .normal = n};
-    bake_probes_gather(&scene, &(Probes){&exact, 1, 1});
+    bake_probes_gather(&scene, 1, &(Probes){&exact, 1, 1});
     cr_assert_gt(exact.irradiance[1], 0);
     for (size_t i = 0; i < sizeof OFF / sizeof *OFF; i++) {
         Probe beside = {.place = vec3_add(on, vec3_scale(n, OFF[i])), .normal = n};
-        bake_probes_gather(&scene, &(Probes){&beside, 1, 1});
+        bake_probes_gather(&scene, 1, &(Probes){&beside, 1, 1});
         cr_expect_float_eq(beside.irradiance[1], exact.irradiance[1], 1e-5 * exact.irradiance[1],
                            "%g m off: %g, not %g", OFF[i], beside.irradiance[1], exact.irradiance[1]);
     }

@@ -143,7 +143,7 @@ BakedErrors baked_errors(const Lit *lit, const RadSolution *s, const BakedPoint 
         probes.probes[i] = (Probe){.place = points[i].place, .normal = points[i].normal};
         mean += points[i].truth / count;
     }
-    bake_probes_gather(&(GatherScene){mesh, &lit->forest, NULL, s, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){mesh, &lit->forest, NULL, s, NULL}, 1, &probes);
     for (int i = 0; i < count; i++) {
         double truth = points[i].truth, scale = fmax(truth, DARK * mean), light[3];
         int face = face_at(mesh, &points[i]);

@@ -257,7 +257,7 @@ static void gather_points(const LightScene *s, const LightBake *bake, int gather
         probes.probes[i] = (Probe){.place = s->points.points[i].place, .normal = s->points.points[i].normal};
     double begin = clock_seconds();
     GatherScene scene = {&bake->fine->mesh, &s->scene.forest, s->doors, &bake->shown, NULL};
-    if (gathering > 0) bake_probes_gather(&scene, &probes);
+    if (gathering > 0) bake_probes_gather(&scene, 1, &probes);
     out->gather_seconds = clock_seconds() - begin;
     for (int i = 0; i < gathering; i++) {
         const double *h = probes.probes[i].irradiance;

@@ -109,7 +109,7 @@ int sky_errors_of(Lit *lit, const RadSolution *s, double errors[SKY_POINTS]) {
         probes.probes[probes.count++] = (Probe){.place = patch->centre, .normal = n};
     }
     path_tracer_irradiance(tracer, queries, probes.count, 0, truth);
-    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, s, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, s, NULL}, 1, &probes);
     int count = 0;
     for (int i = 0; i < probes.count; i++) {
         double h = truth[i].irradiance[1], e = probes.probes[i].irradiance[1] / h - 1;

@@ -39,7 +39,7 @@ static void gather_places(Lit *lit, const RadSolution *s, double out[PLACES]) {
     Arena arena = {0};
     Probes probes = {ARENA_ARRAY(&arena, Probe, PLACES), PLACES, PLACES};
     for (int i = 0; i < PLACES; i++) probes.probes[i] = (Probe){.place = place(i), .normal = {0, 0, 1}};
-    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, s, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, s, NULL}, 1, &probes);
     for (int i = 0; i < PLACES; i++) out[i] = probes.probes[i].irradiance[1];
     arena_free(&arena);
 }

@@ -31,7 +31,7 @@ Test(sky, lone_squares) {
     cr_assert(bake_probe_parse("0.5,0.5,0,0,0,1", &arena, &probes, &error));
     cr_assert(bake_probe_parse("50,0.5,0.5,1,0,0", &arena, &probes, &error));
     cr_assert(bake_probe_parse("0.5,0.5,5,0.6,0,0.8", &arena, &probes, &error));
-    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &s, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &s, NULL}, 1, &probes);
     // The square that stands is seen by a sliver from the one that lies, and the other way round.
     cr_assert_float_eq(probes.probes[0].irradiance[2], 30 * M_PI, 0.01);
     cr_assert_float_eq(probes.probes[1].irradiance[2], 15 * M_PI, 0.01);

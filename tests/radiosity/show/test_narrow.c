@@ -68,7 +68,7 @@ static NarrowErrors gathered(BakedBuilding *b, const NarrowPoints *points) {
     double light[MOST_POINTS];
     for (int i = 0; i < points->count; i++)
         probes.probes[i] = (Probe){.place = points->place[i], .normal = points->normal[i]};
-    bake_probes_gather(&(GatherScene){&b->mesh, &b->scene.forest, b->doors, &b->solution, NULL}, &probes);
+    bake_probes_gather(&(GatherScene){&b->mesh, &b->scene.forest, b->doors, &b->solution, NULL}, 1, &probes);
     for (int i = 0; i < points->count; i++) light[i] = rgb_sum(probes.probes[i].irradiance);
     return errors_of(points, light);
 }

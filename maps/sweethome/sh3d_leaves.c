@@ -139,8 +139,8 @@ static int *find_pieces(const Finder *f) {
     return parent;
 }
 
-// Does the face cover any of the plumb line through the middle of its box between sill and head? The face of a frame goes round the
-// way: the middle of its box is in the way, too, but not the face. A face that is seen edge-on covers all.
+// Does the face cover any place at x between sill and head? `x`: the middle of the face's box. The face of a frame goes round the way: the
+// middle of its box is in the way, too, but no part of the face is. A face that is seen edge-on counts as one that covers the way.
 static bool covers_way(const Finder *f, int face, double x) {
     const ObjFace *at = &f->m->faces[face];
     double low = ABOVE_SILL * f->p->height, high = BELOW_HEAD * f->p->height;
@@ -271,7 +271,7 @@ static void set_box(const Finder *f, int leaf) {
     l->thickness = fmin(fmax(box.max.y - box.min.y, THINNEST), THICKEST);
 }
 
-// Pieces of the frame that lie on the leaf go with it.
+// Pieces that lie on the closed leaf go with it, not with the frame.
 static void take_handles(const Finder *f, int leaf) {
     const ObjModel *m = f->m;
     Vec3 edge = vec3(HANDLE_EDGE, HANDLE, HANDLE_EDGE);

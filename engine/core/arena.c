@@ -30,7 +30,7 @@ static void allow(const void *from, size_t size) { (void)from, (void)size; }
 static const size_t FIRST_BLOCK = 64 * 1024;
 static const size_t LARGEST_GROWTH = 64 * 1024 * 1024;
 // Pieces from this size on have blocks of their own.
-static const size_t LARGE_PIECE = GAP ? 0 : 1024 * 1024;
+static const size_t LARGE_PIECE = GAP > 0 ? 0 : 1024 * 1024;
 
 struct ArenaBlock {
     ArenaBlock *next;
@@ -82,7 +82,7 @@ void *arena_alloc(Arena *arena, size_t count, size_t size) {
     if (block->dirty < block->used) block->dirty = block->used;
     if (dirty > bytes) dirty = bytes;
     allow(memory, asked);
-    if (dirty > 0) memset(memory, 0, GAP && dirty > asked ? asked : dirty);
+    if (dirty > 0) memset(memory, 0, GAP > 0 && dirty > asked ? asked : dirty);
     return memory;
 }
 
@@ -115,7 +115,7 @@ static void *grow_own_block(Arena *arena, const void *piece, size_t before, size
     for (ArenaBlock **at = &arena->head; *at; at = &(*at)->next) {
         ArenaBlock *block = *at;
         if ((const char *)piece != (char *)block + HEADER) continue;
-        if (block->used != before || GAP) return NULL;
+        if (block->used != before || GAP > 0) return NULL;
         size_t shift = (size_t)((char *)block - (char *)block->whole),
                held = HEADER + (before < after ? before : after);
         char *whole = memory_grow(block->whole, ALIGNMENT + HEADER + after),

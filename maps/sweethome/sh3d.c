@@ -1,4 +1,4 @@
-// sh3d.c - reads homes of Sweet Home 3D (format as of versions 5.3 to 7: a ZIP with Home.xml, or that file bare):
+// sh3d.c - reads homes of Sweet Home 3D (a ZIP with Home.xml as of versions 5.3 to 7, or with Home alone before; or Home.xml bare):
 // levels, rooms, cameras, ground, compass; walls, openings and furniture are read by its sister files.
 //
 // Departures from the program: two levels of one elevation become one storey, since free space cannot overlap; a
@@ -16,6 +16,7 @@
 #include "engine/core/polygon.h"
 #include "maps/building/reader.h"
 #include "maps/building/texture.h"
+#include "maps/sweethome/java_stream.h"
 
 static const double DEFAULT_WALL_HEIGHT = 250;  // cm, with which the program starts a home
 static const double DEFAULT_SLAB = 12;          // cm, likewise
@@ -44,7 +45,7 @@ static void read_level(Sh3d *s, const XmlNode *node) {
         sh3d_fail(s, node, "has height='%s' (a height above 0.05 is allowed)", sh3d_text(node, "height"));
     for (int i = 0; !s->failed && i < s->level_count; i++)
         if (strcmp(s->levels[i].id, level.id) == 0)
-            sh3d_fail(s, node, "has the id '%.40s' of the level in line %d", level.id,
+            sh3d_fail(s, node, "has the id '%.40s' of the level in %s %d", level.id, s->unit,
                       s->levels[i].node->line);
     if (!s->failed) *ARENA_PUSH(s->arena, s->levels, s->level_count, s->level_capacity) = level;
 }
@@ -253,16 +254,18 @@ static void add_notes(Sh3d *s) {
     note(s, &s->bad_shapes, "outlines of holes make no sense and are rectangles");
 }
 
-bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
+bool sh3d_sketch(Bytes home, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
                  Error *error) {
+    bool is_serialized = java_recognise(home);
     Sh3d s = {.pixels = TEXTURE_FREE_PIXELS,
               .where = where,
+              .unit = is_serialized ? "object" : "line",
               .archive = archive,
               .arena = arena,
               .b = b,
               .sketch = sketch,
               .error = error};
-    if (!xml_parse(xml, where, arena, &s.home, error)) return false;
+    if (!(is_serialized ? sh3d_serialized : xml_parse)(home, where, arena, &s.home, error)) return false;
     if (!xml_is(s.home, "home"))
         return error_set(error, "%s:%d: the file's element is %.40s (home is needed)", where, s.home->line,
                          s.home->name);
@@ -297,10 +300,10 @@ static bool starts_as_zip(Bytes content) {
     return content.size >= 4 && memcmp(content.data, "PK\3\4", 4) == 0;
 }
 
-// A ZIP may hold anything; so Home.xml is looked for only once the reader is chosen, and missed with a reason.
+// A ZIP may hold anything; so the home's entry is looked for only once the reader is chosen, and missed with a reason.
 static bool recognise_sh3d(Bytes content) {
     static const size_t HEAD = 4096;  // bytes in which the home element begins
-    if (starts_as_zip(content)) return true;
+    if (starts_as_zip(content) || java_recognise(content)) return true;
     size_t size = content.size < HEAD ? content.size : HEAD;
     return memmem(content.data, size, "<home", 5) != NULL;
 }
@@ -337,17 +340,18 @@ static bool enclose(Sketch *sketch, Arena *arena, Building *b, Error *error) {
 static bool read_zip(const char *path, Bytes content, Arena *arena, Building *b, Sketch *sketch,
                      Error *error) {
     Archive *archive;
-    Bytes xml;
+    Bytes home;
     if (!archive_open(content, path, arena, &archive, error)) return false;
-    bool good = archive_has(archive, "Home.xml");
-    if (!good)
-        error_set(
-            error,
-            "%s: the file has no entry Home.xml; set the preference \"Save homes in XML format\" of Sweet "
-            "Home 3D (5.3 or later) and save it again",
-            path);
-    good = good && archive_read(archive, "Home.xml", SH3D_MAX_XML, arena, &xml, error) &&
-           sh3d_sketch(xml, archive, arena_format(arena, "%s:Home.xml", path), arena, b, sketch, error);
+    bool is_xml = archive_has(archive, "Home.xml");
+    const char *name = is_xml ? "Home.xml" : "Home";
+    bool good = archive_has(archive, name);
+    if (!good) error_set(error, "%s: the archive is no home (an entry Home.xml or Home is needed)", path);
+    good = good && archive_read(archive, name, SH3D_MAX_XML, arena, &home, error);
+    if (good && !is_xml && !java_recognise(home))
+        good = error_set(error, "%s:Home: the entry is no stream of Java objects, and there is no Home.xml",
+                         path);
+    good =
+        good && sh3d_sketch(home, archive, arena_format(arena, "%s:%s", path, name), arena, b, sketch, error);
     archive_close(archive);
     return good;
 }
@@ -365,7 +369,7 @@ static bool read(const char *path, Bytes content, Arena *arena, Building *b, Err
 const MapsReader MAPS_READER_SH3D = {
     .name = "sh3d",
     .suffixes = ".sh3d .xml",
-    .summary = "Sweet Home 3D homes, or their Home.xml alone",
+    .summary = "Sweet Home 3D homes, or their Home.xml or Home alone",
     .recognise = recognise_sh3d,
     .read = read,
 };

@@ -35,8 +35,8 @@ typedef struct Sh3dLevel {
 } Sh3dLevel;
 
 typedef struct Sh3d {
-    const char *where;  // for messages: the XML file
-    Archive *archive;   // NULL: a bare Home.xml
+    const char *where, *unit;  // for messages: the file, and what XmlNode.line counts
+    Archive *archive;          // NULL: a bare Home.xml
     Arena *arena;
     Building *b;
     Sketch *sketch;
@@ -111,8 +111,14 @@ int sh3d_push_material(Sh3d *s, Material material);
 // Reads a home into a plan (storeys into the building, the rest of the plan into `sketch`) and appends furniture,
 // lights, viewpoints and tours to `b`. `archive` may be NULL. Objects of doors and windows refer to openings by their
 // index in the sketch, until maps_enclose replaces it by the index in the building.
-bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
+// `home` is Home.xml or the stream of Java objects that older homes have instead.
+bool sh3d_sketch(Bytes home, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
                  Error *error);
+
+// ---- sh3d_serialized.c
+
+// Makes the tree of Home.xml from a home as a stream of Java objects, the entry `Home` of files.
+bool sh3d_serialized(Bytes stream, const char *where, Arena *arena, const XmlNode **root, Error *error);
 
 // ---- sh3d_walls.c
 

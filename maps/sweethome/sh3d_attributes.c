@@ -64,8 +64,9 @@ const char *sh3d_text(const XmlNode *node, const char *name) {
 
 const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what) {
     const char *id = sh3d_text(node, "id"), *name = sh3d_text(node, "name");
-    const char *label = *id && strlen(id) < 24 ? id : name;  // long ids are random and say less than the line
-    return arena_format(s->arena, "%s %s%s(line %d)", what, label, *label ? " " : "", node->line);
+    const char *label =
+        *id && strlen(id) < 24 ? id : name;  // long ids are random and say less than the place
+    return arena_format(s->arena, "%s %s%s(%s %d)", what, label, *label ? " " : "", s->unit, node->line);
 }
 
 bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb) {

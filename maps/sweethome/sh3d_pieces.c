@@ -1,6 +1,7 @@
 // sh3d_pieces.c - furniture, lamps, stairs and the models of doors: each a model scaled to its box and put in its
 // place, as Sweet Home 3D shows it. What the program can do beyond that and this reader does not: parts of a model
 // moved by hand (`transformation`).
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,7 +39,9 @@ static Piece read_piece(Sh3d *s, const XmlNode *node) {
     p.pitch = sh3d_number(s, node, "pitch", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
     p.roll = sh3d_number(s, node, "roll", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
     p.mirrored = sh3d_flag(node, "modelMirrored", false);
-    p.both_sides = sh3d_flag(node, "backFaceShown", false);
+    // Version 7 and later have a number of flags, whose lowest bit is the one that versions before have alone.
+    int flags = (int)sh3d_number(s, node, "modelFlags", 0, INT_MIN, INT_MAX);
+    p.both_sides = sh3d_flag(node, "backFaceShown", false) || flags & 1;
     p.coloured = sh3d_colour(s, node, "color", &p.colour);
     memcpy(p.turn, UNTURNED, sizeof p.turn);
     const char *text = xml_get(node, "modelRotation");
@@ -483,8 +486,10 @@ static void read_furniture(Sh3d *s, const XmlNode *node, bool of_stair) {
 // In a group called a stair each member is a step. The depth of groups is bounded by XML_MAX_DEPTH.
 static void read_children(Sh3d *s, const XmlNode *parent, bool of_stair) {
     for (const XmlNode *node = parent->first; node && !s->failed; node = node->next) {
-        bool opening = xml_is(node, "doorOrWindow"), group = xml_is(node, "furnitureGroup");
         bool piece = xml_is(node, "pieceOfFurniture") || xml_is(node, "light") || xml_is(node, "shelfUnit");
+        // Before version 1.7 doors were furniture with a mark.
+        bool group = xml_is(node, "furnitureGroup"),
+             opening = xml_is(node, "doorOrWindow") || (piece && sh3d_flag(node, "doorOrWindow", false));
         if (!(opening || group || piece) || !sh3d_flag(node, "visible", true)) continue;
         if (group)
             read_children(s, node, of_stair || is_stair(node));

@@ -85,7 +85,7 @@ static void join_walls(Sh3d *s) {
     qsort(sorted, (size_t)count, sizeof *sorted, by_id);
     for (int i = 1; i < count && !s->failed; i++)
         if (strcmp(sorted[i - 1]->id, sorted[i]->id) == 0)
-            sh3d_fail(s, sorted[i]->node, "has the id '%.40s' of the wall in line %d", sorted[i]->id,
+            sh3d_fail(s, sorted[i]->node, "has the id '%.40s' of the wall in %s %d", sorted[i]->id, s->unit,
                       sorted[i - 1]->node->line);
     for (int i = 0; i < s->wall_count && !s->failed; i++) {
         Sh3dWall *w = &s->walls[i];

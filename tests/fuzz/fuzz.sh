@@ -29,6 +29,7 @@ longest() {
     case $1 in
     seen | prt | quads | recording) echo 600 ;;
     pipeline | quake) echo 8000 ;;
+    sh3d) echo 4000 ;;
     *) echo 3000 ;;
     esac
 }

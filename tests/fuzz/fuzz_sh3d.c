@@ -1,6 +1,6 @@
-// fuzz_sh3d.c - libFuzzer on homes of Sweet Home 3D: a Home.xml or a ZIP becomes a building that passes the check, or is
-// refused with a sentence. Behind a first byte that begins neither stand what ZIPs hold, where checksums keep the fuzzer from
-// it: an OBJ model, an SVG path or an image.
+// fuzz_sh3d.c - libFuzzer on homes of Sweet Home 3D: a Home.xml, a stream of Java objects or a ZIP becomes a building that passes the
+// check, or is refused with a sentence. Behind a first byte that begins none of these stand what ZIPs hold, where checksums keep the
+// fuzzer from it: an OBJ model, an SVG path or an image.
 #include <stdlib.h>
 
 #include "maps/building/texture.h"
@@ -30,7 +30,8 @@ static void read_part(unsigned char kind, Bytes content, Arena *arena) {
 
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     if (size == 0) return 0;
-    if (data[0] == '<' || data[0] == 'P') return target_reader(&MAPS_READER_SH3D, "fuzz.sh3d", data, size);
+    if (data[0] == '<' || data[0] == 'P' || data[0] == 0xAC)
+        return target_reader(&MAPS_READER_SH3D, "fuzz.sh3d", data, size);
     Arena *arena = target_begin();
     read_part(data[0], target_bytes(arena, "", data + 1, size - 1), arena);
     return 0;

@@ -84,7 +84,7 @@ static bool read_file(Arena *arena, const char *path, Bytes content, Error *erro
     return MAPS_READER_SH3D.read(path, content, arena, &b, error);
 }
 
-// A ZIP that unpacks to far more than it holds, one without Home.xml (which names the preference to set), one that
+// A ZIP that unpacks to far more than it holds, one whose Home is no stream of objects, one without a home, one that
 // is none, and a home without anything: one sentence each.
 Test(sh3d, refuses_bad_archives) {
     Arena arena = {0};
@@ -100,7 +100,10 @@ Test(sh3d, refuses_bad_archives) {
     cr_assert(strstr(error.text, "at most 200 times"), "%s", error.text);
     Bytes old = home_zip(&arena, &(HomeEntry){"Home", "xx", 2}, 1);
     cr_assert_not(read_file(&arena, "old.sh3d", old, &error));
-    cr_assert(strstr(error.text, "Save homes in XML format"), "%s", error.text);
+    cr_assert(strstr(error.text, "old.sh3d:Home: the entry is no stream of Java objects"), "%s", error.text);
+    Bytes other = home_zip(&arena, &(HomeEntry){"readme", "xx", 2}, 1);
+    cr_assert_not(read_file(&arena, "other.sh3d", other, &error));
+    cr_assert(strstr(error.text, "other.sh3d: the archive is no home"), "%s", error.text);
     cr_assert_not(read_file(&arena, "none.sh3d", (Bytes){(unsigned char *)"plain text", 10}, &error));
     cr_assert(strstr(error.text, "not a usable ZIP"), "%s", error.text);
     cr_assert_not(read_file(&arena, "none.sh3d", (Bytes){(unsigned char *)"", 0}, &error));

@@ -89,11 +89,11 @@ static void place_pictures(WalkLit *lit, Arena *arena) {
     for (int p = 0; p < graph->polygon_count; p++) {
         const Polygon *polygon = &graph->polygons[p];
         const Vec3 *corners = graph->vertices + polygon->first_vertex;
+        int face = mesh->mesh->face_of[p];
+        bool leaf = face >= 0 && graph->objects[mesh->mesh->faces[face].object].leaf >= 0;
         lit->run[p] = (unsigned char)walk_textures_run(lit->textures, polygon);
         for (int v = mesh->first_vertex[p]; v < mesh->first_vertex[p + 1]; v++) {
-            int at = mesh->source[v];
-            Vec3 point =
-                at < 0 ? corners[v - mesh->first_vertex[p]] : mesh->mesh->vertices[mesh->mesh->corners[at]];
+            Vec3 point = leaf ? mesh->closed[v] : mesh->mesh->vertices[mesh->mesh->corners[mesh->source[v]]];
             walk_textures_place(lit->textures, polygon, corners[0], &point, 1, &lit->picture[v]);
         }
     }
@@ -240,15 +240,15 @@ static void move_leaf(WalkLit *lit, const LitLight *light, int object, double op
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
         const Polygon *polygon = &graph->polygons[p];
         LitVertex *vertex = mesh->vertex + mesh->first_vertex[p];
-        if (mesh->first_vertex[p + 1] == mesh->first_vertex[p]) continue;
-        Vec3 corner[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-        for (int i = 0; i < polygon->vertex_count; i++) {
-            Vec3 at = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
-            if (i < 3) corner[i] = at;
-            put_place(vertex[i].position, vec3_sub(at, mesh->origin));
-        }
+        Vec3 corner[3];
+        for (int i = 0; i < 3; i++)
+            corner[i] = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
         Vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        for (int i = 0; i < polygon->vertex_count; i++) put_place(vertex[i].normal, n);
+        const Vec3 *closed = mesh->closed + mesh->first_vertex[p];
+        for (int i = 0; i < mesh->first_vertex[p + 1] - mesh->first_vertex[p]; i++) {
+            put_place(vertex[i].position, vec3_sub(leaf_point(leaf, open, closed[i]), mesh->origin));
+            put_place(vertex[i].normal, n);
+        }
     }
     glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),

@@ -89,9 +89,9 @@ bool *lit_twins(const Mesh *mesh, Arena *arena) {
 
 static bool material_emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
 
-static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, const Face *face, int source) {
+static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, Vec3 n, const Face *face, int source) {
     const Building *b = lit->mesh->graph->building;
-    Vec3 p = vec3_sub(at, lit->origin), n = face->plane.n;
+    Vec3 p = vec3_sub(at, lit->origin);
     lit->vertex[vertex] = (LitVertex){{(float)p.x, (float)p.y, (float)p.z},
                                       {(float)n.x, (float)n.y, (float)n.z},
                                       face->material,
@@ -100,15 +100,10 @@ static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, const Face *face
 }
 
 // How many vertices and indices a polygon takes.
-static void count_polygon(const Mesh *mesh, int object, int polygon, int *vertices, int *indices) {
-    int f = mesh->face_of[polygon], corners = mesh->graph->polygons[polygon].vertex_count;
+static void count_polygon(const Mesh *mesh, int polygon, int *vertices, int *indices) {
+    int f = mesh->face_of[polygon];
     *vertices = *indices = 0;
     if (f < 0) return;
-    if (mesh->graph->objects[object].leaf >= 0) {
-        *vertices = corners;
-        *indices = 3 * (corners - 2);
-        return;
-    }
     const Face *face = &mesh->faces[f];
     for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
         *vertices += mesh->elements[e].corner_count;
@@ -127,7 +122,7 @@ static void count_all(LitMesh *lit, Arena *arena) {
             int v, i;
             lit->first_vertex[p] = vertices;
             lit->first_index[p] = indices;
-            count_polygon(lit->mesh, o, p, &v, &i);
+            count_polygon(lit->mesh, p, &v, &i);
             vertices += v;
             indices += i;
         }
@@ -136,6 +131,7 @@ static void count_all(LitMesh *lit, Arena *arena) {
     lit->first_index[graph->polygon_count] = indices;
     lit->vertex = ARENA_ARRAY(arena, LitVertex, vertices + 1);
     lit->source = ARENA_ARRAY(arena, int, vertices + 1);
+    lit->closed = ARENA_ARRAY(arena, Vec3, vertices + 1);
     lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
     lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
     lit->lamp = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
@@ -159,11 +155,17 @@ static void put_spot(const LitMesh *lit, int element, const Vec3 *v, int count) 
     spot[3] = (float)lit->mesh->elements[element].area;
 }
 
-// `whole`: the polygon is drawn whole, so that its elements get spots but no vertices. `twin`: see lit_twins.
-static void fill_elements(const LitMesh *lit, int polygon, bool whole, bool twin, Arena *scratch) {
+static Vec3 polygon_normal(const CellGraph *graph, int polygon) {
+    const Vec3 *v = graph->vertices + graph->polygons[polygon].first_vertex;
+    return vec3_normalize(vec3_cross(vec3_sub(v[1], v[0]), vec3_sub(v[2], v[0])));
+}
+
+// `leaf`: with which the polygon moves, or NULL. `twin`: see lit_twins.
+static void fill_elements(const LitMesh *lit, int polygon, const Leaf *leaf, bool twin, Arena *scratch) {
     const Mesh *mesh = lit->mesh;
     const Face *face = &mesh->faces[mesh->face_of[polygon]];
-    Vec3 back = vec3_scale(face->plane.n, twin ? -SET_BACK : 0);
+    Vec3 normal = leaf ? polygon_normal(mesh->graph, polygon) : face->plane.n,
+         back = vec3_scale(normal, twin ? -SET_BACK : 0);
     int vertex = lit->first_vertex[polygon], index = lit->first_index[polygon];
     for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
         const Element *element = &mesh->elements[e];
@@ -171,23 +173,15 @@ static void fill_elements(const LitMesh *lit, int polygon, bool whole, bool twin
         for (int i = 0; i < element->corner_count; i++)
             v[i] = mesh->vertices[mesh->corners[element->first_corner + i]];
         put_spot(lit, e, v, element->corner_count);
-        if (whole) continue;
-        for (int i = 0; i < element->corner_count; i++)
-            put_vertex(lit, vertex + i, vec3_add(v[i], back), face, element->first_corner + i);
+        for (int i = 0; i < element->corner_count; i++) {
+            Vec3 at = vec3_add(leaf ? leaf_point_closed(leaf, face->open, v[i]) : v[i], back);
+            put_vertex(lit, vertex + i, at, normal, face, element->first_corner + i);
+            if (leaf) lit->closed[vertex + i] = at;
+        }
         triangulate(lit, v, element->corner_count, vertex, index);
         vertex += element->corner_count;
         index += 3 * (element->corner_count - 2);
     }
-}
-
-static void fill_leaf(const LitMesh *lit, int polygon) {
-    const CellGraph *graph = lit->mesh->graph;
-    const Polygon *p = &graph->polygons[polygon];
-    const Vec3 *v = graph->vertices + p->first_vertex;
-    int face = lit->mesh->face_of[polygon], vertex = lit->first_vertex[polygon];
-    for (int i = 0; i < p->vertex_count; i++)
-        put_vertex(lit, vertex + i, v[i], &lit->mesh->faces[face], -1 - face);
-    triangulate(lit, v, p->vertex_count, vertex, lit->first_index[polygon]);
 }
 
 LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
@@ -199,14 +193,13 @@ LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
     const bool *twins = lit_twins(mesh, &kept);
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
-        bool leaf = object->leaf >= 0;
+        const Leaf *leaf = object->leaf >= 0 ? &graph->building->leaves[object->leaf] : NULL;
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
             if (mesh->face_of[p] < 0) continue;
             lit->plane[p] = mesh->faces[mesh->face_of[p]].plane;
             if (mesh_is_lamp(mesh, mesh->face_of[p])) lit->lamp[lit->lamp_count++] = p;
             arena_reset(&scratch);
             fill_elements(lit, p, leaf, twins[mesh->face_of[p]], &scratch);
-            if (leaf) fill_leaf(lit, p);
         }
     }
     lit->nodes = nodes_of(mesh, arena);
@@ -271,9 +264,7 @@ static LightRange range_of(const LitMesh *lit, const RadSolution *solution, Fals
     return light_range(all > 0 ? exp2((bin - BINS / 2) / (double)BINS_AN_OCTAVE) : 1);
 }
 
-// The light at each vertex: of a leaf, which is drawn whole, that of its face.
-static void fill_vertices(const LitMesh *lit, const RadSolution *solution, const RadSolution *even,
-                          LitLight *out) {
+static void fill_vertices(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
     double(*node)[3] = solution->node;
     Arena scratch = {0};
     if (node) {
@@ -282,19 +273,8 @@ static void fill_vertices(const LitMesh *lit, const RadSolution *solution, const
         node = arena_alloc(&scratch, (size_t)lit->nodes.count + 1, sizeof *node);
         reconstruct_nodes(lit->mesh, &lit->nodes, solution, NULL, node);
     }
-    int last = -1;
-    double of_face[3];
-    for (int v = 0; v < lit_vertex_count(lit); v++) {
-        const double *from = of_face;
-        int at = lit->source[v];
-        if (at >= 0) {
-            from = node[lit->nodes.of_corner[at]];
-        } else if (-1 - at != last) {
-            last = -1 - at;
-            reconstruct_face(lit->mesh, last, even, of_face);
-        }
-        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
-    }
+    for (int v = 0; v < lit_vertex_count(lit); v++)
+        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)node[lit->nodes.of_corner[lit->source[v]]][c];
     arena_free(&scratch);
 }
 
@@ -308,7 +288,7 @@ void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float
         out->on[i] = mesh_emits(lit->mesh, lit->mesh->face_of[lit->lamp[i]]);
     // False colours are of the light at vertices.
     RadSolution even = reconstruct_even(lit->mesh, solution, &scratch);
-    fill_vertices(lit, solution, &even, out);
+    fill_vertices(lit, solution, out);
     out->day = solution->day;
     fill_luminous(lit, solution, out);
     for (int q = FALSE_COLOUR_RADIOSITY; q < FALSE_COLOURS; q++)

@@ -11,15 +11,15 @@ typedef struct LitVertex {
     int32_t material, emits;  // index in Building.materials; 0 or 1: does it emit
 } LitVertex;
 
-// The triangles of the graph's polygons, in the order of the polygons. Polygons of door leaves, which move, are drawn whole instead of
-// by elements. Polygons that the mesh lacks (glass) have no vertices.
+// The triangles of the graph's polygons, in the order of the polygons. Polygons that the mesh lacks (glass) have no vertices.
 typedef struct LitMesh {
     const Mesh *mesh;
     Vec3 origin;                      // positions are relative to this point
     int *first_vertex, *first_index;  // [polygon_count + 1] in `vertex` and `index`
     LitVertex *vertex;                // [vertex_count] leaves as when closed, until walk_lit_pose moves them
-    int *source;                      // [vertex_count] index in Mesh.corners; of a leaf -1 - its face
-    Nodes nodes;                      // of the mesh
+    int *source;                      // [vertex_count] index in Mesh.corners
+    Vec3 *closed;  // [vertex_count] of leaves: the place when the door is closed; of others not set
+    Nodes nodes;   // of the mesh
     unsigned *index;
     Plane *plane;  // [polygon_count]
     int *lamp;     // [lamp_count] polygons of lamps, lit or not

@@ -200,6 +200,14 @@ static void find_changed(const Mesh *mesh, const RadSolution *now, RadFollow *f)
     }
 }
 
+// Does the patch gather light? Leaves of doors and frames of windows have small patches, but are seen as surfaces; so the face decides.
+// Slivers of walls and ceilings gather, too: few samples would be seen as spots there.
+static bool gathers(const Mesh *mesh, int patch) {
+    const Face *face = &mesh->faces[mesh->patches[patch].face];
+    double extent = face->nx * face->ny / (vec3_length(face->gx) * vec3_length(face->gy));
+    return extent >= RAD_SMALL || mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
+}
+
 bool gather_rows(const Mesh *mesh, ShootRows *rows, const RadOptions *options, RadFollow *follow,
                  const Progress *progress, RadSolution *solution) {
     Arena arena = {0};
@@ -235,7 +243,7 @@ bool gather_rows(const Mesh *mesh, ShootRows *rows, const RadOptions *options, R
         take_shot(mesh, solution, p, solution->reflected[p]);
         if (follow && is_rounding(solution, mesh->patches[p].area, solution->reflected[p]))
             memset(solution->reflected[p], 0, sizeof *solution->reflected);
-        if (!shoot_rows_small(mesh, p, RAD_SMALL) && rgb_sum(solution->reflected[p]) > 0) patch[count++] = p;
+        if (gathers(mesh, p) && rgb_sum(solution->reflected[p]) > 0) patch[count++] = p;
     }
     bool go_on = gather_patches(&g, patch, count, threads, progress);
     if (shoot_rows_settled(rows)) {

@@ -51,9 +51,9 @@ typedef struct RadOptions {
 } RadOptions;
 // The hemisphere method, culling by stab trees, a residual of a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
-// Patches of things smaller than this, m^2, have the reflected light that was shot to them, not gathered light: homes have tens of
-// thousands of them.
-#define RAD_SMALL 0.01
+// Faces of things whose rectangles along their grids are smaller than this, m^2, have the reflected light that was shot to them, not
+// gathered light: homes have tens of thousands of them.
+#define RAD_SMALL 0.0025
 // Memory for rows as fits a mesh and the machine, for rad_fit to replace.
 #define RAD_ROWS_FIT SIZE_MAX
 // Replaces a residual of 0 by 1e-4, and a resolution of 0 by one that suits the mesh: with few patches, light is found more exactly. And

@@ -93,14 +93,14 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     return detail > 1 ? resolution * detail : resolution;
 }
 
-bool shoot_rows_small(const Mesh *mesh, int patch, double area) {
-    const Patch *p = &mesh->patches[patch];
-    return p->area < area && mesh->graph->objects[mesh->faces[p->face].object].kind != OBJECT_SURFACE;
-}
+// Patches of things smaller than this, m^2, have half as many directions each way: each has little light to shoot. With four times this,
+// light in narrow places is farther off (test_narrow.c).
+static const double SMALL = 0.0025;
 
-// Patches of things smaller than this, m^2, have half as many directions each way: each has little light to shoot, and gathers none. With
-// four times this, light in narrow places is farther off (test_narrow.c).
-static const double SMALL = RAD_SMALL / 4;
+static bool is_small(const Mesh *mesh, int patch) {
+    const Patch *p = &mesh->patches[patch];
+    return p->area < SMALL && mesh->graph->objects[mesh->faces[p->face].object].kind != OBJECT_SURFACE;
+}
 
 static int small_resolution(const RadOptions *options) {
     int least = 8, half = options->form_factor.resolution / 2;
@@ -438,9 +438,9 @@ static void make_row(void *context, int index, int thread) {
     bool lamp = rows->fine[slot->patch] || mesh_is_lamp(rows->mesh, patch->face);
     panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
                &maker->panes);
-    FormFactor *form_factor = lamp                                               ? maker->of_lamps
-                              : shoot_rows_small(rows->mesh, slot->patch, SMALL) ? maker->of_small
-                                                                                 : maker->form_factor;
+    FormFactor *form_factor = lamp                                ? maker->of_lamps
+                              : is_small(rows->mesh, slot->patch) ? maker->of_small
+                                                                  : maker->form_factor;
     double (*now)(void) = rows->options->clock, start = now ? now() : 0;
     const View *view = form_factor_look(form_factor, maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;

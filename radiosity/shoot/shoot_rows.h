@@ -27,10 +27,6 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
                           const RadOptions *options, const Daylight *day, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
 
-// Is it a patch of a thing, and smaller than `area`, m^2? A furnished home has tens of thousands of these. Slivers of walls and ceilings
-// are none of them: few samples would be seen as spots there.
-bool shoot_rows_small(const Mesh *mesh, int patch, double area);
-
 // Chooses the patches whose rows have as many directions as those of lamps: those that reflect most light straight from lamps, sun and sky,
 // for the light of their cell. Direct light must be complete in the solution. To be called before any patch but lamps gets a row; without
 // the call no patch is strong.

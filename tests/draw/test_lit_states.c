@@ -53,9 +53,7 @@ Test(lit_states, switched_as_loaded, .timeout = 120) {
         memcpy(l->scene.lit, full, sizeof full);
         for (int v = 0; v < vertices; v++)
             for (int c = 0; c < 3; c++) {
-                int face = mesh->source[v] < 0 ? -1 - mesh->source[v] : -1;
-                // Leaves, which are drawn whole, have the mean of elements: their shares of light are those of all light.
-                if (face >= 0 || mesh->vertex[v].emits) continue;
+                if (mesh->vertex[v].emits) continue;
                 cr_assert_float_eq(now.vertex[v][c], loaded.vertex[v][c],
                                    1e-6f * (first.vertex[v][c] + 1e-3f), "day %d, vertex %d: %g, loaded %g",
                                    day, v, (double)now.vertex[v][c], (double)loaded.vertex[v][c]);

@@ -128,7 +128,7 @@ static void check_energy(const Parted *p) {
 // The mesh that shows light is cut where the light passes a threshold, and two lights that are 1e-5 apart may be cut differently. With
 // elements of this size they are not: the nodes are the same.
 static void check_light(bool day) {
-    Parted *p = load("build/maps/house.plan", day, 0.75, 1e-5);
+    Parted *p = load("build/maps/house.plan", day, 0.8, 1e-5);
     bake(p, 30, 0);
     cr_assert_geq(p->report.parts, 3);
     RadSolution whole = whole_light(p);

@@ -206,12 +206,17 @@ static const LitLight *wait_for_light(LightThread *thread) {
     return light;
 }
 
-// The sum over all vertices but those of leaves, which have the mean of elements.
+// The sum over all vertices but those of lamps and leaves.
 static double brightness(const LightThread *thread, const LitLight *light) {
-    const LitMesh *mesh = light_thread_mesh(thread);
+    const LitMesh *lit = light_thread_mesh(thread);
+    const Mesh *mesh = lit->mesh;
     double sum = 0;
-    for (int v = 0; v < lit_vertex_count(mesh); v++)
-        if (mesh->source[v] >= 0 && !mesh->vertex[v].emits) sum += (double)light->vertex[v][0];
+    for (int p = 0; p < mesh->graph->polygon_count; p++) {
+        int face = mesh->face_of[p];
+        if (face < 0 || mesh->graph->objects[mesh->faces[face].object].leaf >= 0) continue;
+        for (int v = lit->first_vertex[p]; v < lit->first_vertex[p + 1]; v++)
+            if (!lit->vertex[v].emits) sum += (double)light->vertex[v][0];
+    }
     return sum;
 }
 

@@ -42,9 +42,10 @@ static int by_size(const void *a, const void *b) {
     return (*p > *q) - (*p < *q);
 }
 
-// How far the gathered light of patches indoors in some range of sizes is off a gather at their middles that asks for four times as many
-// directions each way, relative, in order. Looks at one patch of each `stride`. Returns their number.
-static int errors_of_patches(Lit *lit, double least, double most, int stride, double **out) {
+// How far the gathered light of patches indoors in some range of sizes, of surfaces or of things, is off a gather at their
+// middles that asks for four times as many directions each way, relative, in order. Looks at one patch of each `stride`.
+// Returns their number.
+static int errors_of_patches(Lit *lit, bool things, double least, double most, int stride, double **out) {
     Daylight day = clear_noon();
     RadOptions options = sky_options_of(CULL_STAB, 0);
     RadSolution s = sky_day_shone(lit, &day, &options);
@@ -62,7 +63,8 @@ static int errors_of_patches(Lit *lit, double least, double most, int stride, do
         const Patch *patch = &lit->mesh.patches[p];
         double right[3];
         if (patch->cell < 0 || vis_region(&lit->graph, patch->cell)->kind != REGION_ROOM) continue;
-        if (patch->area < least || patch->area >= most) continue;
+        ObjectKind kind = lit->graph.objects[lit->mesh.faces[patch->face].object].kind;
+        if (patch->area < least || patch->area >= most || (kind == OBJECT_SURFACE) == things) continue;
         gather(gatherer, &(ViewPoint){patch->centre, lit->mesh.faces[patch->face].plane.n, patch->cell},
                right);
         if (rgb_sum(right) > 0) off[count++] = fabs(rgb_sum(s.reflected[p]) / rgb_sum(right) - 1);
@@ -78,7 +80,7 @@ static int errors_of_patches(Lit *lit, double least, double most, int stride, do
 Test(sky, patches_gather_the_sky_along_their_rows, .timeout = 120) {
     Lit *lit = sky_room_with_window(1.2, 1.3, 0.25);
     double *off;
-    int count = errors_of_patches(lit, RAD_SMALL, INFINITY, 3, &off);
+    int count = errors_of_patches(lit, false, 0.01, INFINITY, 3, &off);
     cr_assert_gt(count, 50);
     printf("light of %d patches is off by %.2f %% in the median\n", count, 100 * off[count / 2]);
     cr_expect_lt(off[count / 2], 0.01);
@@ -101,9 +103,33 @@ Test(sky, slivers_of_surfaces_gather, .timeout = 120) {
                      grooves),
         0.25, 2);
     double *off;
-    int count = errors_of_patches(lit, 1e-5, RAD_SMALL, 1, &off);
+    int count = errors_of_patches(lit, false, 1e-5, 0.01, 1, &off);
     cr_assert_gt(count, 20, "%d slivers", count);
     printf("light of %d slivers is off by %.2f %% in the median, %.2f %% at most\n", count,
+           100 * off[count / 2], 100 * off[count - 1]);
+    cr_expect_lt(off[count / 2], 0.04);
+    lit_free(lit);
+    arena_free(&arena);
+}
+
+// Proves that small patches gather where they are parts of a larger face: those of rods, 1.8 cm wide, are as right as those of walls. The
+// light that is shot to them is 5 % off in the median, and was seen as smears on leaves of doors and frames of windows. Tolerance: that of
+// slivers above.
+Test(sky, small_patches_of_large_things_gather, .timeout = 120) {
+    Arena arena = {0};
+    const char *rods = "";
+    for (int i = 0; i < 10; i++) rods = arena_format(&arena, "%splace rod %.2f,2.2\n", rods, 0.4 + 0.2 * i);
+    Lit *lit = sky_read_plan_with(
+        arena_format(&arena,
+                     "room a 0,0 4,0 4,3 0,3 floor oak ceiling white walls white wall 0.2\n"
+                     "window w 4.1,1.5 angle 90 width 1.2 sill 0.9 height 1.3\n"
+                     "model rod\nbox 0,0,0 0.018,0.018,2 white\nend\n%s",
+                     rods),
+        0.25, 2);
+    double *off;
+    int count = errors_of_patches(lit, true, 1e-3, 0.01, 1, &off);
+    cr_assert_gt(count, 100, "%d patches", count);
+    printf("light of %d small patches is off by %.2f %% in the median, %.2f %% at most\n", count,
            100 * off[count / 2], 100 * off[count - 1]);
     cr_expect_lt(off[count / 2], 0.04);
     lit_free(lit);

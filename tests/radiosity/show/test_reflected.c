@@ -4,6 +4,7 @@
 
 #include "radiosity/show/direct.h"
 #include "radiosity/show/reflected.h"
+#include "radiosity/show/shown.h"
 #include "tests/support/lit_fixture.h"
 
 // The solution where samples of all patches may miscount light by the share `noise`, and where shots told one element the share `step` more
@@ -125,5 +126,76 @@ Test(reflected, elements_gather_where_shots_tell_them_from_their_patch) {
         for (int e = element + 1; e < element + lit->mesh.patches[patch].element_count; e++)
             cr_expect(parts.gathers[e] == (parts.halved[e].x + parts.halved[e].y > 0));
     }
+    lit_free(lit);
+}
+
+// Light at nodes of a mesh with twice as fine elements, in which the elements of all patches of the floor but `covered` gather.
+static double (*nodes_about(Lit *lit, const RadSolution *s, int covered, const Mesh *shown,
+                            const Nodes *nodes))[3] {
+    Arena *arena = &lit->arena;
+    const Mesh *mesh = &lit->mesh;
+    bool *gathers = ARENA_ARRAY(arena, bool, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++)
+        gathers[e] =
+            mesh->faces[mesh->elements[e].face].plane.n.z > 0.99 && mesh->elements[e].patch != covered;
+    VertexLight light = reconstruct_light(mesh, s, arena);
+    GatherScene scene = {mesh, &lit->forest, NULL, s, &light};
+    double(*out)[3] = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out);
+    cr_assert(reflected_nodes(&scene, gathers, shown, nodes, 1, NULL, NULL, NULL, out));
+    return out;
+}
+
+// Proves that a patch that no light reaches, as one behind the frame of a door, leaves the light beside it alone where that gathers in finer
+// parts: at the border it is what it is when the patch is lit. Tolerance: the lamp hangs above, so that planes through the light around the
+// patch pass its place by some percent.
+Test(reflected, covered_patches_say_nothing_of_parts_beside_them) {
+    static const MeshSplits ONCE = {.even = 1};
+    Lit *lit = lit_new();
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.4));
+    MeshOptions options = mesh_default_options();
+    options.element = 0.25;
+    options.splits = &ONCE;
+    lit_finish_with(lit, &options);
+    const Mesh *mesh = &lit->mesh;
+    Arena *arena = &lit->arena;
+    RadSolution s;
+    RadOptions rad = rad_default_options();
+    rad.form_factor.resolution = 48;
+    lit_shoot(lit, &rad, &s);
+    cr_assert(s.gathered);
+    unsigned char *root = ARENA_ARRAY(arena, unsigned char, mesh->element_count);
+    MeshDepth *depth = ARENA_ARRAY(arena, MeshDepth, mesh->element_count);
+    int covered = -1;
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        depth[e] = (MeshDepth){(unsigned char)(element->depth.x + 1), (unsigned char)(element->depth.y + 1)};
+        Vec3 at = element_centroid(mesh, e);
+        bool below = mesh->faces[element->face].plane.n.z > 0.99;
+        if (below && fabs(at.x - 1.1) < 0.3 && fabs(at.y - 1.6) < 0.3) covered = element->patch;
+    }
+    cr_assert_geq(covered, 0);
+    Mesh shown;
+    Error error;
+    cr_assert(shown_build(mesh, mesh_splits(mesh, root, depth, arena), NULL, arena, &shown, &error), "%s",
+              error.text);
+    Nodes nodes = nodes_of(&shown, arena);
+    double(*lit_there)[3] = nodes_about(lit, &s, covered, &shown, &nodes);
+    memset(s.reflected[covered], 0, sizeof *s.reflected);
+    memset(s.sent[covered], 0, sizeof *s.sent);
+    double(*dark_there)[3] = nodes_about(lit, &s, covered, &shown, &nodes);
+    int border = 0;
+    double worst = 0;
+    for (int n = 0; n < nodes.count; n++) {
+        int in = 0, all = nodes.first[n + 1] - nodes.first[n];
+        for (int i = nodes.first[n]; i < nodes.first[n + 1]; i++)
+            in += mesh->elements[shown_around(mesh, &shown, nodes.element[i])].patch == covered;
+        if (in == 0 || in == all) continue;
+        border++;
+        worst = fmax(worst, fabs(dark_there[n][1] / lit_there[n][1] - 1));
+    }
+    printf("at %d nodes around a covered patch light is off by %.1f %% at most\n", border, 100 * worst);
+    cr_expect_gt(border, 7);
+    cr_expect_lt(worst, 0.05);
     lit_free(lit);
 }

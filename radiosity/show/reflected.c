@@ -444,7 +444,7 @@ static void light_middle(const Between *b, int e) {
     const ReflectedPlaces *p = b->places;
     Vec3 middle = element_centroid(b->shown, e);
     int part = p->part_of[e];
-    // What is covered stays so in its parts: light between their nodes would say that it is half lit.
+    // A covered element stays so in its parts: light between its nodes would say that they are half lit.
     memset(p->value[e], 0, sizeof *p->value);
     if (!(rgb_sum(p->coarse[p->in[e]]) > 0)) return;
     reconstruct_in(b->mesh, part < 0 ? &b->light : &b->by_strong, p->in[e], middle, p->value[e]);

@@ -145,9 +145,9 @@ static double (*nodes_about(Lit *lit, const RadSolution *s, int covered, const M
     return out;
 }
 
-// Proves that a patch that no light reaches, as one behind the frame of a door, leaves the light beside it alone where that gathers in finer
-// parts: at the border it is what it is when the patch is lit. Tolerance: the lamp hangs above, so that planes through the light around the
-// patch pass its place by some percent.
+// Proves that a patch that no light reaches, as one behind the frame of a door, leaves the light beside it alone where finer parts gather:
+// at the border it is the light that is there when the patch is lit. Tolerance: the lamp hangs above, so that planes through the light
+// around the patch pass its place by some percent.
 Test(reflected, covered_patches_say_nothing_of_parts_beside_them) {
     static const MeshSplits ONCE = {.even = 1};
     Lit *lit = lit_new();

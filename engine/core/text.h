@@ -21,4 +21,7 @@ typedef struct TextList {
 
 void text_append(Text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+// Writes a character as UTF-8, four bytes at most, U+FFFD where there is no such character; returns how many bytes it takes.
+size_t text_utf8(char *out, unsigned long code);
+
 #endif

@@ -13,6 +13,7 @@ struct WalkLit {
     LitMesh *mesh;
     float *share;      // [leaf_count] how far leaves are open; NAN before the first pose and in new light
     float (*leaf)[3];  // the light of a leaf or a plug under way, [vertices of the largest]
+    LitVertex *moved;  // and a leaf where it stands
     // The plugs of opening i are the objects plug[first_plug[i]] .. plug[first_plug[i + 1] - 1].
     int *plug, *first_plug;
     unsigned *list;          // indices of the frame's triangles
@@ -80,6 +81,12 @@ static void upload_materials(WalkLit *lit) {
     arena_free(&scratch);
 }
 
+// The place of a vertex; that of a leaf, as when it is closed.
+static Vec3 vertex_place(const LitMesh *mesh, int vertex) {
+    const float *p = mesh->vertex[vertex].position;
+    return vec3_add(vec3((double)p[0], (double)p[1], (double)p[2]), mesh->origin);
+}
+
 static void place_pictures(WalkLit *lit, Arena *arena) {
     const LitMesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->mesh->graph;
@@ -93,7 +100,8 @@ static void place_pictures(WalkLit *lit, Arena *arena) {
         bool leaf = face >= 0 && graph->objects[mesh->mesh->faces[face].object].leaf >= 0;
         lit->run[p] = (unsigned char)walk_textures_run(lit->textures, polygon);
         for (int v = mesh->first_vertex[p]; v < mesh->first_vertex[p + 1]; v++) {
-            Vec3 point = leaf ? mesh->closed[v] : mesh->mesh->vertices[mesh->mesh->corners[mesh->source[v]]];
+            Vec3 point =
+                leaf ? vertex_place(mesh, v) : mesh->mesh->vertices[mesh->mesh->corners[mesh->source[v]]];
             walk_textures_place(lit->textures, polygon, corners[0], &point, 1, &lit->picture[v]);
         }
     }
@@ -136,6 +144,7 @@ WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena)
         most = count > most ? count : most;
     }
     lit->leaf = arena_alloc(arena, (size_t)most + 1, sizeof *lit->leaf);
+    lit->moved = ARENA_ARRAY(arena, LitVertex, most + 1);
     find_plugs(lit, arena);
     forget_leaves(lit);
     glGenVertexArrays(1, &lit->array);
@@ -239,20 +248,20 @@ static void move_leaf(WalkLit *lit, const LitLight *light, int object, double op
         end = mesh->first_vertex[o->first_polygon + o->polygon_count];
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
         const Polygon *polygon = &graph->polygons[p];
-        LitVertex *vertex = mesh->vertex + mesh->first_vertex[p];
         Vec3 corner[3];
         for (int i = 0; i < 3; i++)
             corner[i] = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
         Vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        const Vec3 *closed = mesh->closed + mesh->first_vertex[p];
-        for (int i = 0; i < mesh->first_vertex[p + 1] - mesh->first_vertex[p]; i++) {
-            put_place(vertex[i].position, vec3_sub(leaf_point(leaf, open, closed[i]), mesh->origin));
-            put_place(vertex[i].normal, n);
+        for (int v = mesh->first_vertex[p]; v < mesh->first_vertex[p + 1]; v++) {
+            LitVertex *moved = &lit->moved[v - first];
+            *moved = mesh->vertex[v];
+            put_place(moved->position, vec3_sub(leaf_point(leaf, open, vertex_place(mesh, v)), mesh->origin));
+            put_place(moved->normal, n);
         }
     }
     glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
-                    (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), mesh->vertex + first);
+                    (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), lit->moved);
     if (!light || lit->newest < 0) return;
     lit_leaf_light(mesh, light, object, open, lit->leaf);
     put_light(lit, object);

@@ -131,7 +131,6 @@ static void count_all(LitMesh *lit, Arena *arena) {
     lit->first_index[graph->polygon_count] = indices;
     lit->vertex = ARENA_ARRAY(arena, LitVertex, vertices + 1);
     lit->source = ARENA_ARRAY(arena, int, vertices + 1);
-    lit->closed = ARENA_ARRAY(arena, Vec3, vertices + 1);
     lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
     lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
     lit->lamp = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
@@ -176,7 +175,6 @@ static void fill_elements(const LitMesh *lit, int polygon, const Leaf *leaf, boo
         for (int i = 0; i < element->corner_count; i++) {
             Vec3 at = vec3_add(leaf ? leaf_point_closed(leaf, face->open, v[i]) : v[i], back);
             put_vertex(lit, vertex + i, at, normal, face, element->first_corner + i);
-            if (leaf) lit->closed[vertex + i] = at;
         }
         triangulate(lit, v, element->corner_count, vertex, index);
         vertex += element->corner_count;

@@ -16,10 +16,9 @@ typedef struct LitMesh {
     const Mesh *mesh;
     Vec3 origin;                      // positions are relative to this point
     int *first_vertex, *first_index;  // [polygon_count + 1] in `vertex` and `index`
-    LitVertex *vertex;                // [vertex_count] leaves as when closed, until walk_lit_pose moves them
+    LitVertex *vertex;                // [vertex_count] leaves as when closed
     int *source;                      // [vertex_count] index in Mesh.corners
-    Vec3 *closed;  // [vertex_count] of leaves: the place when the door is closed; of others not set
-    Nodes nodes;   // of the mesh
+    Nodes nodes;                      // of the mesh
     unsigned *index;
     Plane *plane;  // [polygon_count]
     int *lamp;     // [lamp_count] polygons of lamps, lit or not

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "engine/core/text.h"
 #include "maps/ifc/step_text.h"
 
 // ---- arguments
@@ -274,21 +275,6 @@ static long hex_number(const char *text, size_t size, int digits) {
     return value;
 }
 
-static size_t put_utf8(char *out, unsigned long code) {
-    if (code < 0x80) {
-        out[0] = (char)code;
-        return 1;
-    }
-    if (code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) code = 0xFFFD;
-    int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
-    for (int i = more; i > 0; i--) {
-        out[i] = (char)(0x80 | (code & 0x3F));
-        code >>= 6;
-    }
-    out[0] = (char)((more == 1 ? 0xC0 : more == 2 ? 0xE0 : 0xF0) | code);
-    return (size_t)more + 1;
-}
-
 // The characters of \X2\ (four digits each, surrogate pairs joined) or \X4\ (eight digits), up to \X0\; returns the bytes read.
 static size_t wide_string(const char *s, size_t size, int digits, char *out, size_t *length) {
     size_t at = 0;
@@ -304,7 +290,7 @@ static size_t wide_string(const char *s, size_t size, int digits, char *out, siz
                 at += 4;
             }
         }
-        *length += put_utf8(out + *length, (unsigned long)code);
+        *length += text_utf8(out + *length, (unsigned long)code);
     }
 }
 
@@ -356,12 +342,12 @@ const char *step_string(const StepFile *file, const StepValue *value, StepString
             out[length++] = '\\';
             i += 2;
         } else if (*p == '\\' && left >= 4 && p[1] == 'S' && p[2] == '\\') {
-            length += put_utf8(out + length, ((unsigned char)p[3] & 0x7Fu) + 0x80u);
+            length += text_utf8(out + length, ((unsigned char)p[3] & 0x7Fu) + 0x80u);
             i += 4;
         } else if (*p == '\\' && left >= 4 && p[1] == 'P' && p[3] == '\\') {
             i += 4;
         } else if (*p == '\\' && left >= 5 && p[1] == 'X' && p[2] == '\\' && hex_number(p + 3, 2, 2) >= 0) {
-            length += put_utf8(out + length, (unsigned long)hex_number(p + 3, 2, 2));
+            length += text_utf8(out + length, (unsigned long)hex_number(p + 3, 2, 2));
             i += 5;
         } else if (*p == '\\' && left >= 4 && p[1] == 'X' && (p[2] == '2' || p[2] == '4') && p[3] == '\\') {
             i += 4;
@@ -376,7 +362,7 @@ const char *step_string(const StepFile *file, const StepValue *value, StepString
                 length += whole;
                 i += whole;
             } else {
-                length += put_utf8(out + length, (unsigned char)*p);
+                length += text_utf8(out + length, (unsigned char)*p);
                 i++;
             }
         }

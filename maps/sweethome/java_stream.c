@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "engine/core/text.h"
+
 static const unsigned char START[4] = {0xAC, 0xED, 0, 5};
 
 // The first byte of each item of the stream.
@@ -36,9 +38,9 @@ typedef struct Handle {
 // An object or array that is being read.
 typedef struct Open {
     JavaObject *object;
-    const JavaClass
-        *class;  // whose fields are read, from the topmost superclass down; NULL: the elements of an array
-    int next;    // value to read, of the object
+    // Whose fields are read, from the topmost superclass down; NULL: the elements of an array
+    const JavaClass *class;
+    int next;  // value to read, of the object
 } Open;
 
 typedef struct Stream {
@@ -95,25 +97,6 @@ static int take_unit(const unsigned char **at, const unsigned char *end) {
     return unit;
 }
 
-static char *put_unit(char *to, int c) {
-    if (c < 0x80) {
-        *to++ = (char)c;
-    } else if (c < 0x800) {
-        *to++ = (char)(0xC0 | c >> 6);
-        *to++ = (char)(0x80 | (c & 0x3F));
-    } else if (c < 0x10000) {
-        *to++ = (char)(0xE0 | c >> 12);
-        *to++ = (char)(0x80 | (c >> 6 & 0x3F));
-        *to++ = (char)(0x80 | (c & 0x3F));
-    } else {
-        *to++ = (char)(0xF0 | c >> 18);
-        *to++ = (char)(0x80 | (c >> 12 & 0x3F));
-        *to++ = (char)(0x80 | (c >> 6 & 0x3F));
-        *to++ = (char)(0x80 | (c & 0x3F));
-    }
-    return to;
-}
-
 // Text as UTF-8. Broken characters and those that XML forbids become question marks.
 static const char *take_text(Stream *s, uint64_t length) {
     const unsigned char *from = next_bytes(s, length);
@@ -132,7 +115,7 @@ static const char *take_text(Stream *s, uint64_t length) {
                    unit > 0xFFFD) {
             unit = '?';
         }
-        to = put_unit(to, unit);
+        to += text_utf8(to, (unsigned long)unit);
     }
     return out;
 }
@@ -434,6 +417,7 @@ static void go_on(Stream *s) {
     } else if (!class) {
         s->open_count--;
     } else {
+        // The mark that ends what the class wrote beside its fields.
         if (!has_fields || class->flags & FLAG_WRITES) take_number(s, 1);
         if (!has_fields) s->owed -= (size_t) class->field_count;
         if (class == object->class) {

@@ -2,7 +2,7 @@
 // elements that the program would write as Home.xml. Each element's `line` is the number of its object in the stream.
 //
 // Fields become attributes of their own names, since the program's XML uses the same ones; objects of the classes below become children.
-// Departures of the program from its own defaults are at HomeTexture and Home.
+// Where the program's own XML says something else than the fields, finish_texture and add_environment tell it.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 static const char URL_CONTENT[] = "com.eteks.sweethome3d.tools.URLContent";
 static const char SAVED[] = "file:temp!/";  // begins the address of an entry of the same archive
 
-// Classes that become elements, a class before the one above it.
+// Classes that become elements, each before its superclass.
 static const struct {
     const char *class, *element;
 } ELEMENTS[] = {
@@ -209,7 +209,8 @@ static XmlNode *put_object(Tree *t, XmlNode *parent, const JavaObject *object, c
     XmlNode *node = add_element(t, parent, element_of(object), object, object->value_count + OWN_ATTRIBUTES);
     set(node, "attribute", attribute);
     for (const JavaClass *c = object->class; c && !t->failed; c = c->super)
-        for (int i = 0; i < c->field_count && !t->failed; i++)
+        // An array or a constant of an enumeration has no fields, whatever its class is called.
+        for (int i = 0; i < c->field_count && c->first_field + i < object->value_count && !t->failed; i++)
             add_field(t, node, c->fields[i].name, object->values[c->first_field + i]);
     if (!xml_get(node, "id") && is_named(object)) set(node, "id", id_of(t, object));
     if (xml_is(node, "texture")) finish_texture(node, object);

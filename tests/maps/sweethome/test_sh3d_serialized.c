@@ -218,6 +218,25 @@ Test(sh3d_serialized, bad_streams_get_a_sentence) {
     arena_free(&arena);
 }
 
+// Proves that a constant of an enumeration and an array that call themselves walls are walls without fields, and end no program.
+Test(sh3d_serialized, classes_may_lie) {
+    for (int item = 0x75; item <= 0x7E; item += 9) {
+        Arena arena = {0};
+        JavaBuilder b = {.arena = &arena};
+        Error error = {""};
+        const XmlNode *home;
+        build_java_begin(&b);
+        build_java_object(&b, "com.eteks.sweethome3d.model.Home", 2, "L walls");
+        build_java_list(&b);
+        int wall = build_java_lie(&b, item, "com.eteks.sweethome3d.model.Wall", "F xStart L level");
+        build_java_again(&b, wall);
+        build_java_end(&b);
+        cr_assert(sh3d_serialized(bytes_of(&b), "Home", &arena, &home, &error), "%s", error.text);
+        cr_expect(nth_named(home, "wall", 1) && !xml_get(nth_named(home, "wall", 0), "xStart"));
+        arena_free(&arena);
+    }
+}
+
 // Proves that walls in a ring of a hundred thousand, each within the one before, take no stack.
 Test(sh3d_serialized, objects_nest_deep, .timeout = 60) {
     enum { DEEP = 100000 };

@@ -87,6 +87,17 @@ Test(sky, patches_gather_the_sky_along_their_rows, .timeout = 120) {
     lit_free(lit);
 }
 
+// The light of patches from `least` to a square decimetre, more than `many`, is within 4 % of what a gather finds, in the median.
+static void expect_right(Lit *lit, bool things, double least, int many) {
+    double *off;
+    int count = errors_of_patches(lit, things, least, 0.01, 1, &off);
+    cr_assert_gt(count, many, "%d patches", count);
+    printf("light of %d small patches is off by %.2f %% in the median, %.2f %% at most\n", count,
+           100 * off[count / 2], 100 * off[count - 1]);
+    cr_expect_lt(off[count / 2], 0.04);
+    lit_free(lit);
+}
+
 // Proves that slivers of walls and ceilings gather, too: those of a room one of whose walls has grooves, 4 mm deep, are as right as other
 // patches. What is shot to a sliver are a few samples, 16 % off in the median. Tolerance: of 100 samples that see the window some 20 lie at
 // its border, of which four or five err together; twice that, since grooves hide the window in part.
@@ -102,13 +113,7 @@ Test(sky, slivers_of_surfaces_gather, .timeout = 120) {
                      "window w 4.1,1.5 angle 90 width 1.2 sill 0.9 height 1.3\n",
                      grooves),
         0.25, 2);
-    double *off;
-    int count = errors_of_patches(lit, false, 1e-5, 0.01, 1, &off);
-    cr_assert_gt(count, 20, "%d slivers", count);
-    printf("light of %d slivers is off by %.2f %% in the median, %.2f %% at most\n", count,
-           100 * off[count / 2], 100 * off[count - 1]);
-    cr_expect_lt(off[count / 2], 0.04);
-    lit_free(lit);
+    expect_right(lit, false, 1e-5, 20);
     arena_free(&arena);
 }
 
@@ -126,12 +131,6 @@ Test(sky, small_patches_of_large_things_gather, .timeout = 120) {
                      "model rod\nbox 0,0,0 0.018,0.018,2 white\nend\n%s",
                      rods),
         0.25, 2);
-    double *off;
-    int count = errors_of_patches(lit, true, 1e-3, 0.01, 1, &off);
-    cr_assert_gt(count, 100, "%d patches", count);
-    printf("light of %d small patches is off by %.2f %% in the median, %.2f %% at most\n", count,
-           100 * off[count / 2], 100 * off[count - 1]);
-    cr_expect_lt(off[count / 2], 0.04);
-    lit_free(lit);
+    expect_right(lit, true, 1e-3, 100);
     arena_free(&arena);
 }

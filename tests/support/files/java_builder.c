@@ -42,7 +42,8 @@ void build_java_floats(JavaBuilder *b, const double *value, int count) {
     for (int i = 0; i < count; i++) build_java_float(b, value[i]);
 }
 
-static void put_class(JavaBuilder *b, const char *class, int flags, const char *fields) {
+// All of a description but its superclass.
+static void put_class_alone(JavaBuilder *b, const char *class, int flags, const char *fields) {
     build_java_number(b, 0x72, 1);
     put_text(b, class, strlen(class));
     build_java_number(b, 1, 8);
@@ -58,6 +59,10 @@ static void put_class(JavaBuilder *b, const char *class, int flags, const char *
         if (type == 'L' || type == '[') build_java_string(b, "Ljava/lang/Object;");
     }
     build_java_end(b);
+}
+
+static void put_class(JavaBuilder *b, const char *class, int flags, const char *fields) {
+    put_class_alone(b, class, flags, fields);
     build_java_null(b);
 }
 
@@ -82,6 +87,19 @@ int build_java_array(JavaBuilder *b, const char *class, int count) {
     put_class(b, class, 2, "");
     build_java_number(b, (uint64_t)count, 4);
     return b->handles++;
+}
+
+int build_java_lie(JavaBuilder *b, int item, const char *class, const char *fields) {
+    bool is_array = item == 0x75;
+    build_java_number(b, (uint64_t)item, 1);
+    if (is_array) put_class_alone(b, "[F", 2, "");
+    put_class(b, class, 2, fields);
+    int handle = b->handles++;
+    if (is_array)
+        build_java_number(b, 0, 4);
+    else
+        build_java_string(b, "CONSTANT");
+    return handle;
 }
 
 // ---- a home

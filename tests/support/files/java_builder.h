@@ -25,6 +25,8 @@ int build_java_object(JavaBuilder *b, const char *class, int flags, const char *
 void build_java_end(JavaBuilder *b);
 void build_java_list(JavaBuilder *b);  // java.util.ArrayList; members follow, then build_java_end
 int build_java_array(JavaBuilder *b, const char *class, int count);  // elements follow
+// An empty array of numbers (item 0x75) or a constant of an enumeration (0x7E) whose class, or superclass, has these fields all the same.
+int build_java_lie(JavaBuilder *b, int item, const char *class, const char *fields);
 
 // A home as version 3.4 saved it: four walls that have no names and refer to each other in a ring, the first of them without a height and
 // with a picture; a room; in the list of furniture a lamp alone, in that of doors and windows the lamp and a door, and in that of groups

@@ -126,8 +126,9 @@ static const Option ROWS[] = {
     {.name = "bake",
      .type = OPTION_FLAG,
      .at = AT(bake),
-     .help = "where there is no light bake it first, and keep it in the user's cache; --day, --night and "
-             "their like ask for it, too"},
+     .help =
+         "where there is no light bake it first, and keep it in the user's cache; light follows the doors "
+         "then, baked anew where need be; --day, --night and their like ask for it, too"},
     {.name = "tour",
      .value = "NAME",
      .type = OPTION_TEXT,
@@ -317,15 +318,15 @@ static void print_walk(const Arguments *a, const WalkTotals *t) {
     }
 }
 
-// Before the first frame.
-static bool bake_first(Arguments *a, const LightBaker *baker, Arena *arena, Error *error) {
-    WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
-    LightHooks hooks = {.progress = app_progress()};
-    bool good = baker->bake(baker->context, &hooks, arena, light, error);
+// Before the first frame. Stored light is read; where it is not of the doors of a frame, it is baked anew.
+static bool bake_first(Arguments *a, const LightBaker *baker, Arena *room, WalkLight *light, Error *error) {
+    Progress progress = app_progress();
+    bool good = film_light_bake(baker, &progress, room, light, error);
     app_progress_end();
     if (!good) return false;
     if (*error->text) app_warn(error->text);
-    a->walk.light = light;
+    a->walk.light.light = light;
+    a->walk.light.anew = baker->anew;
     return true;
 }
 
@@ -348,21 +349,33 @@ static bool check_folder(const Arguments *a, const Building *b, Arena *arena, Er
     return good;
 }
 
+static bool draw_lit(Arguments *a, const WalkScene *scene, Arena *arena, WalkTotals *totals, Error *error) {
+    Arena room = {0};
+    WalkLight baked = {0};
+    a->walk.light = (FilmLightSource){.light = scene->light, .lit = scene->scene->lit};
+    bool good = !scene->baker.bake || bake_first(a, &scene->baker, &room, &baked, error);
+    const WalkLight *light = a->walk.light.light;
+    if (a->walk.look == WALK_LOOKS) a->walk.look = light ? WALK_BAKED : WALK_FINE;
+    if (good && a->walk.look == WALK_BAKED && !light)
+        good =
+            error_set(error, "%s: there is no light to show (enfilade bake, then --light FILE.rad)", a->file);
+    Progress progress = app_progress();
+    good = good && walk_offscreen(scene->graph, scene->forest, &a->walk, &progress, arena, totals, error);
+    app_progress_end();
+    light_end(&baked);
+    arena_free(&room);
+    return good;
+}
+
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     WalkScene scene;
+    a->load.light_later = a->load.lamps == SCENE_LAMPS_ALL;
     bool loaded = walk_scene_load(&a->load, a->file, arena, &scene, error);
     app_progress_end();
     if (!loaded || !check_folder(a, scene.graph->building, arena, error)) return false;
-    a->walk.light = scene.light;
-    if (scene.baker.bake && !bake_first(a, &scene.baker, arena, error)) return false;
-    if (a->walk.look == WALK_LOOKS) a->walk.look = a->walk.light ? WALK_BAKED : WALK_FINE;
-    if (a->walk.look == WALK_BAKED && !a->walk.light)
-        return error_set(error, "%s: there is no light to show (enfilade bake, then --light FILE.rad)",
-                         a->file);
-    Progress progress = app_progress();
-    bool good = walk_offscreen(scene.graph, scene.forest, &a->walk, &progress, arena, totals, error);
-    app_progress_end();
-    if (!good) return false;
+    if (!draw_lit(a, &scene, arena, totals, error)) return false;
+    if (totals->light_stayed)
+        app_warn("light stays as it is with the doors as they were baked (--bake lets it follow them)");
     for (int i = 0; i < totals->note_count; i++) app_warn(totals->notes[i]);
     if (a->json) {
         print_json(scene.scene, totals);

@@ -272,7 +272,8 @@ typedef struct Baking {
     Arena *arena;
     // Where light is to follow, else NULL.
     DirectSources *sources;
-    const Mesh *drawn;  // the mesh, or a copy of it whose doors stay
+    const Mesh *drawn;  // the mesh and its doors, or copies of them that stay as they were baked
+    float *drawn_doors;
 } Baking;
 
 static bool store(const Baking *b, Error *error) {
@@ -296,7 +297,7 @@ static bool bake_all(Baking *b, WalkLight *out, Error *error) {
     if (hooks->show) show_solution(&shower, b->solution);
     if (!direct_show_apart(b->mesh, forest, b->doors, hooks->threads, &hooks->progress, b->arena, b->solution,
                            b->sources, NULL, NULL) ||
-        !show_finer(b->drawn, b->solution, b->doors, &b->bake->scene->lamps, b->arena, out, error))
+        !show_finer(b->drawn, b->solution, b->drawn_doors, &b->bake->scene->lamps, b->arena, out, error))
         return error_set(error, "stopped");
     return true;
 }
@@ -309,7 +310,8 @@ static void bake_each(Baking *b, WalkLight *out, Error *error) {
     if (!b->solution->gathered || !b->solution->node ||
         !each_lamp_find(&each, &b->hooks->progress, b->arena, b->solution))
         return;
-    if (show_finer(b->drawn, b->solution, b->doors, &scene->lamps, b->arena, &light, error)) *out = light;
+    if (show_finer(b->drawn, b->solution, b->drawn_doors, &scene->lamps, b->arena, &light, error))
+        *out = light;
     store(b, error);
 }
 
@@ -319,13 +321,13 @@ static bool has_doors(const Building *b) {
     return false;
 }
 
-// Keeps what is needed to light the building with its doors elsewhere.
+// Keeps what is needed to light the building with its doors elsewhere. Rows and sources share the doors that will move.
 static void begin_following(Baking *b, LightFollower *follower) {
     const LoadedScene *scene = b->bake->scene;
     Mesh *drawn = ARENA_ARRAY(b->arena, Mesh, 1);
     int openings = scene->building.opening_count;
-    float *doors = ARENA_ARRAY(b->arena, float, openings + 1);
-    memcpy(doors, b->doors, (size_t)openings * sizeof *doors);
+    b->drawn_doors = ARENA_ARRAY(b->arena, float, openings + 1);
+    memcpy(b->drawn_doors, b->doors, (size_t)openings * sizeof *b->doors);
     *drawn = mesh_copy(b->mesh, b->arena);
     b->drawn = drawn;
     follower->full = ARENA_ARRAY(b->arena, Rgb, scene->lamps.count + 1);
@@ -334,8 +336,8 @@ static void begin_following(Baking *b, LightFollower *follower) {
     relight_prepare(b->sources, b->mesh, b->arena);
     follower->rad = b->options.rad;
     follower->rad.rows = b->options.rad.rows =
-        shoot_rows_new(b->mesh, &scene->forest, doors, &follower->rad, &b->solution->day, b->arena);
-    follower->relight = (Relight){b->mesh,        &scene->lamps, &scene->forest, doors,
+        shoot_rows_new(b->mesh, &scene->forest, b->doors, &follower->rad, &b->solution->day, b->arena);
+    follower->relight = (Relight){b->mesh,        &scene->lamps, &scene->forest, b->doors,
                                   &follower->rad, b->sources,    b->solution,    NULL};
 }
 
@@ -354,10 +356,11 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
         !progress_report(&hooks->progress, "mesh", 0))
         return false;
     LightFollower *follower = NULL;
-    if (hooks->each && (scene->lamps.count > 0 || has_doors(&scene->building)))
-        follower = ARENA_ARRAY(arena, LightFollower, 1);
+    bool follows = (hooks->follow || hooks->each) && has_doors(&scene->building);
+    if (follows || (hooks->each && scene->lamps.count > 0)) follower = ARENA_ARRAY(arena, LightFollower, 1);
     if (!follower) *b.mesh = scene_lit_mesh(scene, b.mesh, arena);
     b.drawn = b.mesh;
+    b.drawn_doors = b.doors;
     rad_fit(b.mesh, &b.options.rad);
     if (!begin_light(&b.options, &scene->forest, b.doors, &hooks->progress, b.mesh, arena, b.solution, error))
         return false;
@@ -367,11 +370,9 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     bool good = bake_all(&b, out, error);
     if (good) store(&b, error);
     if (good && hooks->whole) hooks->whole(hooks->context, out);
-    if (good && follower && scene->lamps.count > 0) bake_each(&b, out, error);
-    bool follows =
-        good && follower && has_doors(&scene->building) && b.solution->gathered && b.solution->rest;
+    if (good && hooks->each && scene->lamps.count > 0) bake_each(&b, out, error);
     WalkLight kept = {.follower = follower};
-    if (follows) {
+    if (good && follows && b.solution->gathered && b.solution->rest) {
         out->follower = follower;
         light_follow_sum(out, follower->full);
     } else {

@@ -34,8 +34,10 @@ typedef struct LightHooks {
     double show_every;
     // 0: all cores.
     int threads;
-    // Find the light of each lamp, too (WalkLight.states), and keep what light needs to follow the doors (WalkLight.follower, until
-    // light_end); all lamps are fully lit then, whatever the scene asks for. Before that begins, `whole` is called with all light together;
+    // Keep what light needs to follow the doors (WalkLight.follower, until light_end); all lamps are fully lit then, whatever the scene
+    // asks for.
+    bool follow;
+    // The same, and find the light of each lamp, too (WalkLight.states). Before that begins, `whole` is called with all light together;
     // NULL: nobody is.
     bool each;
     void (*whole)(void *context, const WalkLight *light);

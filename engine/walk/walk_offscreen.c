@@ -48,6 +48,7 @@ typedef struct Walk {
     Mirrors *mirrors;        // or NULL
     GlContext *context;      // of the renderer
     WalkRenderer *renderer;  // NULL when verifying
+    FilmLight *light;        // or NULL
     Overlay *overlay;        // for a legend, or NULL
     Exposure exposure;
     int rate;            // frames a second
@@ -188,9 +189,13 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
     return true;
 }
 
+static bool is_written(const Walk *w, int index) {
+    return index % w->options->every == 0 && (w->options->folder || w->video);
+}
+
 static bool write_frame(Walk *w, int index, Error *error) {
     const WalkOptions *o = w->options;
-    if (index % o->every != 0 || (!o->folder && !w->video)) return true;
+    if (!is_written(w, index)) return true;
     if (w->verify) {
         walk_verify_image(w->verify, w->rgb);
     } else if (!walk_renderer_read(w->renderer, w->rgb, error)) {
@@ -220,6 +225,8 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
         if (w->replay) recording_doors(w->replay, i, w->door_open);
         if (path->is_film && o->doors == WALK_DOORS) tour_doors(path, i, w->rate, w->door_open);
         Frame frame;
+        if (w->light && is_written(w, i) && !film_light_follow(w->light, w->door_open, progress, error))
+            return false;
         bool good = w->verify ? verify_frame(w, &camera, w->cell, w->door_open, &frame, error)
                               : draw_frame(w, &camera, &frame, error);
         if (!good || !write_frame(w, i, error)) return false;
@@ -286,8 +293,9 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         if (!w->context) return false;
         w->renderer = walk_renderer_new(w->graph, w->arena, error);
         if (!w->renderer) return false;
-        if (o->light && !walk_renderer_light(w->renderer, o->light, w->arena, error)) return false;
-        if (o->light && o->look == WALK_BAKED && o->false_colour != FALSE_COLOUR_OFF &&
+        w->light = o->light.light ? film_light_new(&o->light, w->renderer, w->arena, error) : NULL;
+        if (o->light.light && !w->light) return false;
+        if (w->light && o->look == WALK_BAKED && o->false_colour != FALSE_COLOUR_OFF &&
             !(w->overlay = overlay_new(w->arena, error)))
             return false;
     }
@@ -304,6 +312,8 @@ static void close_drawing(Walk *w) {
         walk_renderer_free(w->renderer);
     }
     gl_context_close(w->context);
+    w->totals->light_stayed = film_light_stayed(w->light);
+    film_light_end(w->light);
     mirrors_free(w->mirrors);
     arena_free(&w->rays);
 }

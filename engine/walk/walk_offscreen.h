@@ -2,10 +2,10 @@
 #ifndef WALK_OFFSCREEN_H
 #define WALK_OFFSCREEN_H
 
-#include "engine/draw/walk_renderer.h"
 #include "engine/sim/door_states.h"
 #include "engine/tour/tour.h"
 #include "engine/walk/film_figures.h"
+#include "engine/walk/film_light.h"
 
 typedef struct WalkOptions {
     const char *tour;       // see tour_make
@@ -24,7 +24,7 @@ typedef struct WalkOptions {
         doors;  // WALK_DOORS: those of the automatic tour move as it passes, others stand clear of views
     Culling culling;
     WalkLook look;
-    const WalkLight *light;  // for WALK_BAKED, or NULL
+    FilmLightSource light;  // for WALK_BAKED; `light` NULL: there is none
     FalseColour false_colour;
     TourOptions path;
 } WalkOptions;
@@ -47,6 +47,7 @@ typedef struct WalkTotals {
     long mirrors, mirror_pixels;               // in how many views of mirrors, and at how many pixels of them
     int raycast_frames;
     long raycast_missing;  // polygons that rays see and the draw list lacks
+    bool light_stayed;     // doors stood elsewhere than the light of written frames has them
     int bad_frames;
     const char *first_fault;  // the place and view of the first bad frame, or NULL
 } WalkTotals;

@@ -45,7 +45,7 @@ bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under no dayli
 bake 0 -o "$work/gathered.rad" --final-gather --threads 1 --json && says out '"nodes": [1-9]'
 bake 0 -o "$work/gathered.2.rad" --final-gather --threads 2
 same "$work/gathered.rad" "$work/gathered.2.rad" 'the final gather depends on threads'
-expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000 --doors drawn
 bake 0 -o "$work/gathered.rad" --resume
 same "$work/gathered.rad" "$work/1.rad" 'a resumed bake keeps what was gathered before'
 # In parts: the promised keys, the same bytes on any number of threads, and what does not go with parts.
@@ -55,7 +55,7 @@ bake 0 -o "$work/parts.2.rad" --parts 2 --threads 2
 same "$work/parts.rad" "$work/parts.2.rad" 'light in parts depends on threads'
 bake 0 -o "$work/part.rad" --parts 4194304
 same "$work/part.rad" "$work/1.rad" 'one part is another light than the whole'
-expect 0 "$program" walk $maps/two-rooms.plan --light "$work/parts.rad" --offscreen "$work/in-parts" --size 64x48 --every 1000
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/parts.rad" --offscreen "$work/in-parts" --size 64x48 --every 1000 --doors drawn
 # Killed, it goes on from what it has kept beside the file; what was kept is gone once the light is whole.
 bake 1 -o "$work/kept.rad" --parts 2 --resume && says err 'kept.rad.parts: holds no light' && sentence
 bake 2 -o "$work/kept.rad" --checkpoint 1 && says err 'give --parts'

@@ -396,16 +396,21 @@ model/c.rad walk MODEL/c.plan --offscreen $work/frames --stats
 END
 diff -r "$work/model" "$work/model.kept" || fail 'a file that a model refers to is overwritten'
 
-# Daylight: a walk bakes it as `bake --sky` does and keeps it; light under another sky is baked anew, refused where it was given.
+# Daylight: a walk bakes it and keeps it; light under another sky is baked anew, refused where it was given. Where doors stand as they were
+# baked, stored light is shown; else it is baked anew.
 sed 's/ emission [0-9]*//; /^ *light /d' $two >"$work/unlit.plan"
 rm -rf "$work/cache"
-expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --tour window --size 64x36 --sky 5
+window="walk $work/unlit.plan --tour window --size 64x36 --sky 5 --doors drawn"
+expect 0 "$program" $window --offscreen "$work/day"
 expect 0 "$program" bake "$work/unlit.plan" --sky 5 -o "$work/day.rad"
-same "$work/day.rad" "$(ls "$work"/cache/enfilade/*.rad)" 'a walk bakes another daylight than bake'
 touch -d '2001-01-01' "$work"/cache/enfilade/*.rad
-expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day2" --tour window --size 64x36 --sky 5 && quiet
+expect 0 "$program" $window --offscreen "$work/day2" && quiet
 same "$work/day/frame-00000.png" "$work/day2/frame-00000.png" 'stored daylight is shown otherwise'
 [ -z "$(find "$work"/cache/enfilade/*.rad -newermt 2002-01-01)" ] || fail 'stored daylight is baked again'
+expect 0 "$program" ${window/drawn/open} --offscreen "$work/day2" && quiet
+cmp -s "$work/day/frame-00000.png" "$work/day2/frame-00000.png" && fail 'light does not follow the doors'
+expect 0 "$program" walk "$work/unlit.plan" --tour window --size 64x36 --doors open --offscreen "$work/day2"
+says err 'light stays as it is'
 expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --tour window --size 64x36 --sky 6 && says err 'passed over.*sky of 5,5,5'
 expect 1 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --sky 6 --light "$work/day.rad" && sentence &&
     says err 'day.rad: was made under a sky of 5,5,5 W/m^2/sr (asked for: a sky of 6,6,6 W/m^2/sr)'

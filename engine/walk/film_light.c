@@ -1,0 +1,135 @@
+// film_light.c - one state of the light is shown while the next one is found; light that nobody keeps the rows of is baked anew once.
+#include "engine/walk/film_light.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "engine/core/memory.h"
+#include "engine/gl/gl_context.h"
+#include "engine/lit/lit_states.h"
+
+// A door that moves has moved by this share of its way before its light is found again.
+static const float STEP = 0.1F;
+
+struct FilmLight {
+    FilmLightSource source;
+    WalkRenderer *renderer;
+    const Building *building;
+    Arena *arena;
+    WalkLight baked;  // anew, by `source`, in `room`
+    Arena room;
+    LitStates *states;  // NULL: the light does not follow
+    LitLight state[2];
+    int at;        // the state that is shown
+    float *shown;  // [opening_count] the doors of that state
+    float *last;   // [opening_count] of the last frame
+    bool stale;    // the lamps are not as they are shown
+    bool stayed;
+};
+
+// Light on a mesh takes the place of that on the mesh before.
+static bool show_light(FilmLight *f, const WalkLight *light, Error *error) {
+    LitMesh *mesh = lit_mesh_new(light->mesh, f->arena);
+    for (int i = 0; i < 2; i++) f->state[i] = lit_light_new(mesh, f->arena);
+    f->at = 0;
+    lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
+    walk_renderer_expect(f->renderer, mesh, f->arena);
+    walk_renderer_take(f->renderer, &f->state[0], SIZE_MAX);
+    walk_renderer_fade(f->renderer, INFINITY);
+    memcpy(f->shown, light->door_open, (size_t)f->building->opening_count * sizeof *f->shown);
+    if (light->follower) {
+        const Lamps *lamps = light_follower_lamps(light);
+        f->states = lit_states_new(mesh, light, f->arena);
+        for (int i = 0; i < lamps->count; i++) {
+            Rgb lit = f->source.lit[i];
+            f->stale = f->stale || lit.r != 1 || lit.g != 1 || lit.b != 1;
+        }
+    }
+    return gl_check("uploading the light of a building", error);
+}
+
+FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer, Arena *arena, Error *error) {
+    FilmLight *f = ARENA_ARRAY(arena, FilmLight, 1);
+    *f = (FilmLight){.source = *source,
+                     .renderer = renderer,
+                     .building = source->light->mesh->graph->building,
+                     .arena = arena};
+    f->shown = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
+    f->last = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
+    return show_light(f, source->light, error) ? f : NULL;
+}
+
+void film_light_end(FilmLight *f) {
+    if (!f) return;
+    light_end(&f->baked);
+    arena_free(&f->room);
+}
+
+bool film_light_stayed(const FilmLight *f) { return f && f->stayed; }
+
+// Is the light of these doors to be found?
+static bool is_due(FilmLight *f, const float *door_open) {
+    bool due = f->stale;
+    for (int i = 0; i < f->building->opening_count; i++) {
+        if (f->building->openings[i].kind != OPENING_DOOR) continue;
+        bool rests = door_open[i] == f->last[i] || door_open[i] == 0 || door_open[i] == 1;
+        float way = fabsf(door_open[i] - f->shown[i]);
+        due = due || way >= STEP || (way > 0 && rests);
+        f->last[i] = door_open[i];
+    }
+    return due;
+}
+
+// The program goes on without light that follows rather than end for lack of memory.
+typedef struct Watch {
+    const Progress *progress;
+    bool short_of_memory;
+} Watch;
+
+static bool note_progress(void *context, const char *stage, double done) {
+    Watch *w = context;
+    w->short_of_memory = w->short_of_memory || memory_runs_short();
+    return !w->short_of_memory && progress_report(w->progress, stage, done);
+}
+
+// Light that follows the doors. Where memory is short of it, `room` is empty again.
+static bool bake_following(const LightBaker *baker, Watch *watch, Arena *room, WalkLight *out, Error *error) {
+    LightHooks hooks = {.progress = {note_progress, watch}, .follow = true};
+    bool good = baker->bake(baker->context, &hooks, room, out, error);
+    if (!good && watch->short_of_memory) arena_free(room);
+    return good;
+}
+
+bool film_light_bake(const LightBaker *baker, const Progress *progress, Arena *room, WalkLight *out,
+                     Error *error) {
+    Watch watch = {progress, false};
+    LightHooks hooks = {.progress = *progress};
+    if (bake_following(baker, &watch, room, out, error)) return true;
+    return watch.short_of_memory && baker->bake(baker->context, &hooks, room, out, error);
+}
+
+// Bakes light that follows; false where the walk is to end. It is the light that is shown from then on.
+static bool bake_anew(FilmLight *f, const Progress *progress, Error *error) {
+    Watch watch = {progress, false};
+    const LightBaker *baker = f->source.anew;
+    f->source.anew = NULL;
+    if (!bake_following(baker, &watch, &f->room, &f->baked, error)) return watch.short_of_memory;
+    return show_light(f, &f->baked, error);
+}
+
+bool film_light_follow(FilmLight *f, const float *door_open, const Progress *progress, Error *error) {
+    if (!is_due(f, door_open)) return true;
+    if (!f->states && f->source.anew && !bake_anew(f, progress, error)) return false;
+    if (!f->states) {
+        f->stayed = true;
+        return true;
+    }
+    f->at = 1 - f->at;
+    if (!lit_states_fill(f->states, f->source.lit, door_open, progress, &f->state[f->at]))
+        return error_set(error, "stopped");
+    walk_renderer_take(f->renderer, &f->state[f->at], SIZE_MAX);
+    walk_renderer_fade(f->renderer, INFINITY);
+    memcpy(f->shown, door_open, (size_t)f->building->opening_count * sizeof *f->shown);
+    f->stale = false;
+    return gl_check("uploading the light of a building", error);
+}

@@ -1,0 +1,34 @@
+// film_light.h - the light of frames that are drawn without a window: it follows the doors from frame to frame.
+#ifndef FILM_LIGHT_H
+#define FILM_LIGHT_H
+
+#include "engine/draw/walk_renderer.h"
+#include "engine/scene/light.h"
+
+// The light of a walk, which outlives it.
+typedef struct FilmLightSource {
+    const WalkLight *light;
+    // Bakes light that follows the doors, where `light` does not and the doors of a frame stand elsewhere; NULL: then it stays as it is.
+    const LightBaker *anew;
+    const Rgb *lit;  // [count of the lamps] the state that is shown
+} FilmLightSource;
+
+// Bakes light that follows the doors (light_end), or, where there is not enough memory for that, light that does not. It lives in `room`,
+// which is empty. False where that fails, or progress asks to stop.
+bool film_light_bake(const LightBaker *baker, const Progress *progress, Arena *room, WalkLight *out,
+                     Error *error);
+
+typedef struct FilmLight FilmLight;
+
+// Uploads the light, for WALK_BAKED; NULL and an error where that fails. Lives in the arena, but for what film_light_end frees once the
+// renderer is gone.
+FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer, Arena *arena, Error *error);
+void film_light_end(FilmLight *light);  // NULL is allowed
+
+// Shows the light with the doors `door_open` [opening_count]. While a door moves its light follows in steps of a tenth of its way; a door
+// that has not moved since the frame before has its own. Fails where progress asks to stop, or the light cannot be baked.
+bool film_light_follow(FilmLight *light, const float *door_open, const Progress *progress, Error *error);
+// Have doors stood elsewhere than their light has them, and nobody could find theirs?
+bool film_light_stayed(const FilmLight *light);
+
+#endif

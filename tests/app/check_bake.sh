@@ -230,7 +230,7 @@ expect 0 "$program" bake $maps/two-rooms.plan --element 1
 cached=$(ls "$work"/cache/enfilade/*.rad) || fail 'no light in the cache'
 # It is shown from there as if it were given, if it is whole; a file beside the building that does not fit is told of, too.
 cp $maps/two-rooms.plan "$work/lit.plan"
-show() { expect 0 "$program" walk "$work/lit.plan" --offscreen "$work/$1" --size 64x64 --fps 1 "${@:2}"; }
+show() { expect 0 "$program" walk "$work/lit.plan" --offscreen "$work/$1" --size 64x64 --fps 1 --doors drawn "${@:2}"; }
 show given --light "$cached" && quiet
 show found && quiet
 same "$work/given/frame-00000.png" "$work/found/frame-00000.png" 'the light in the cache is not shown'

@@ -524,12 +524,8 @@ static void find_exact(const Adapt *a, const Mesh *mesh, RadSolution *solution, 
     }
 }
 
-// Irradiances of elements, W/m^2: of the whole solution, or of the light of lamps, sun and sky alone; then also, in `exact`, the part of it
-// that comes from lamps and the sun.
-static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradiance, double *exact,
-                  Error *error) {
-    Arena arena = {0};
-    RadSolution solution;
+// How light is found that only tells how fine the mesh is to be: of lamps, sun and sky alone, or with what they reflect.
+static RadOptions pilot_options(const Adapt *a, bool lamps_only) {
     RadOptions options = *a->rad;
     // A mesh that depended on where a run was broken off would not be the same when it is resumed.
     options.shots = 0;
@@ -545,21 +541,48 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     int usual = form_factor_default_options().resolution, most = lamps_only ? usual : FIRST_RESOLUTION;
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;
-    bool good = all_good(a, rad_start_dark(mesh, &arena, &solution, error), error);
-    if (good && daylight_shines(&a->options->day) &&
-        !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, &a->options->day, a->progress,
-                   &solution))
-        good = error_set(error, "stopped");
-    if (good) {
-        RadReport report =
-            rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, &solution);
-        if (report.stopped) good = error_set(error, "stopped");
-        for (int e = 0; e < mesh->element_count; e++)
-            irradiance[e] = irradiance_of(mesh, e, solution.radiosity[e]);
-        if (exact) find_exact(a, mesh, &solution, exact);
-    }
-    arena_free(&arena);
-    return good;
+    return options;
+}
+
+// Light that sun and sky send in, and lamps are about to send.
+static bool begin(Adapt *a, const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
+    const RadOptions options = pilot_options(a, true);
+    if (!all_good(a, rad_start_dark(mesh, arena, out, error), error)) return false;
+    return !daylight_shines(&a->options->day) ||
+           rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, &a->options->day, a->progress,
+                     out) ||
+           error_set(error, "stopped");
+}
+
+// Shoots on, and tells the irradiances of elements, W/m^2.
+static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, RadSolution *solution, double *irradiance,
+                  Error *error) {
+    const RadOptions options = pilot_options(a, lamps_only);
+    RadReport report =
+        rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, solution);
+    if (report.stopped) return error_set(error, "stopped");
+    for (int e = 0; e < mesh->element_count; e++)
+        irradiance[e] = irradiance_of(mesh, e, solution->radiosity[e]);
+    return true;
+}
+
+// The light of lamps, sun and sky alone, and the part of it that comes from lamps and the sun. From `solution` light can be shot on.
+static bool solve_lamps(Adapt *a, const Mesh *mesh, Arena *arena, RadSolution *solution, Error *error) {
+    a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
+    a->exact = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
+    if (!begin(a, mesh, arena, solution, error) || !solve(a, mesh, true, solution, a->lamps, error))
+        return false;
+    find_exact(a, mesh, solution, a->exact);
+    return true;
+}
+
+// Has all that emits light shot?
+static bool lamps_have_shot(const Adapt *a, const Mesh *mesh, const RadSolution *solution) {
+    double lamps = 0;
+    for (int p = 0; p < mesh->patch_count; p++)
+        lamps += mesh_owns(mesh, mesh->patches[p].face) && mesh_emits(mesh, mesh->patches[p].face);
+    add_parts(a, &lamps, 1);
+    return (double)solution->shots >= lamps;
 }
 
 // ---- rounds
@@ -607,12 +630,16 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
         return false;
     int count = a->rough.element_count;
     double sums[2] = {0, 0};
-    a->lamps = ARENA_ARRAY(&a->scratch, double, count);
-    a->exact = ARENA_ARRAY(&a->scratch, double, count);
+    Arena arena = {0};
+    RadSolution solution;
     a->indirect = ARENA_ARRAY(&a->scratch, double, count);
-    if (!solve(a, &a->rough, false, a->indirect, NULL, error) ||
-        !solve(a, &a->rough, true, a->lamps, a->exact, error))
-        return false;
+    bool good = solve_lamps(a, &a->rough, &arena, &solution, error);
+    // With lamps by the thousand those that were left out are not the strongest of all that is unshot.
+    if (good && !lamps_have_shot(a, &a->rough, &solution))
+        good = begin(a, &a->rough, &arena, &solution, error);
+    good = good && solve(a, &a->rough, false, &solution, a->indirect, error);
+    arena_free(&arena);
+    if (!good) return false;
     find_dark(a);
     for (int e = 0; e < count; e++) {
         bool own = mesh_owns(&a->rough, a->rough.elements[e].face);
@@ -743,9 +770,11 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         finer.splits = split(a, mesh, false, &a->scratch);
         if (!build_adapted(a, &finer, &a->scratch, next, error) || !take_mesh(a, next, error)) return false;
         mesh = next;
-        a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
-        a->exact = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
-        if (!solve(a, mesh, true, a->lamps, a->exact, error)) return false;
+        Arena own = {0};
+        RadSolution solution;
+        bool good = solve_lamps(a, mesh, &own, &solution, error);
+        arena_free(&own);
+        if (!good) return false;
     }
     finer.close = options->close;
     finer.loose = false;

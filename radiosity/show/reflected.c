@@ -117,7 +117,8 @@ static double length_along(const Mesh *mesh, const Element *e, int axis) {
                      : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
 }
 
-// How far the light that was shot to each element is from its patch's, as a share of all light there.
+// How far the light that was shot to each element is from its patch's, as a share of all light there. An element that is the whole of its
+// patch has the row of the patch, which looks from a free place where something stands on the middle.
 static void find_apart(Steps *s, Arena *arena) {
     const Mesh *mesh = s->mesh;
     s->apart = ARENA_ARRAY(arena, float, mesh->element_count + 1);
@@ -125,7 +126,7 @@ static void find_apart(Steps *s, Arena *arena) {
         const Element *element = &mesh->elements[e];
         const double *value = s->solution->reflected[element->patch];
         double rho[3], shot[3], off = 0;
-        if (!(rgb_sum(value) > 0)) continue;
+        if (!(rgb_sum(value) > 0) || mesh->patches[element->patch].element_count == 1) continue;
         rgb_doubles(mesh_material(mesh, element->face)->reflectance, rho);
         reflected_by_shots(mesh, s->solution, e, shot);
         for (int c = 0; c < 3; c++) off += fabs(shot[c] - rho[c] * value[c]);

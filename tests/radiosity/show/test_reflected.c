@@ -199,3 +199,37 @@ Test(reflected, covered_patches_say_nothing_of_parts_beside_them) {
     cr_expect_lt(worst, 0.05);
     lit_free(lit);
 }
+
+// Proves that an element which is the whole of its patch does not gather again from its own middle, in which a thing may stand, as the pole
+// on the foot of a stool: it has the light of the patch's row. Elements of patches of four do gather where shots tell them apart from their
+// patch. Light of some patches is made three times as bright as shots have it.
+Test(reflected, whole_patches_gather_once) {
+    for (int side = 1; side <= 2; side++) {
+        Lit *lit = lit_new();
+        lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+        lit_lamp(lit, vec3(2, 1.5, 2.4));
+        MeshOptions options = mesh_default_options();
+        options.element = 0.5;
+        options.per_patch = side;
+        lit_finish_with(lit, &options);
+        const Mesh *mesh = &lit->mesh;
+        RadSolution s;
+        RadOptions rad = rad_default_options();
+        rad.form_factor.resolution = 48;
+        lit_shoot(lit, &rad, &s);
+        for (int p = 0; p < mesh->patch_count; p += 7)
+            for (int c = 0; c < 3; c++) s.reflected[p][c] *= 3;
+        Nodes nodes = nodes_of(mesh, &lit->arena);
+        ReflectedParts parts = reflected_parts(mesh, &nodes, &s, NULL, &lit->arena);
+        int gather = 0, single = 0;
+        for (int e = 0; e < mesh->element_count; e++) {
+            bool halved = parts.halved[e].x + parts.halved[e].y > 0,
+                 alone = mesh->patches[mesh->elements[e].patch].element_count == 1;
+            cr_expect(!(alone && !halved && parts.gathers[e]), "element %d gathers from its own middle", e);
+            gather += parts.gathers[e] && !halved;
+            single += alone;
+        }
+        cr_expect_gt(side == 1 ? single : gather, 0, "none of %d elements", mesh->element_count);
+        lit_free(lit);
+    }
+}

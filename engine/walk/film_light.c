@@ -30,8 +30,8 @@ struct FilmLight {
 // Light on a mesh takes the place of that on the mesh before.
 static bool show_light(FilmLight *f, const WalkLight *light, Error *error) {
     LitMesh *mesh = lit_mesh_new(light->mesh, f->arena);
-    for (int i = 0; i < 2; i++) f->state[i] = lit_light_new(mesh, f->arena);
     f->at = 0;
+    f->state[0] = lit_light_new(mesh, f->arena);
     lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
     walk_renderer_expect(f->renderer, mesh, f->arena);
     walk_renderer_take(f->renderer, &f->state[0], SIZE_MAX);
@@ -39,6 +39,7 @@ static bool show_light(FilmLight *f, const WalkLight *light, Error *error) {
     memcpy(f->shown, light->door_open, (size_t)f->building->opening_count * sizeof *f->shown);
     if (light->follower) {
         const Lamps *lamps = light_follower_lamps(light);
+        f->state[1] = lit_light_new(mesh, f->arena);
         f->states = lit_states_new(mesh, light, f->arena);
         for (int i = 0; i < lamps->count; i++) {
             Rgb lit = f->source.lit[i];

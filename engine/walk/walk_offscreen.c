@@ -293,10 +293,9 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         if (!w->context) return false;
         w->renderer = walk_renderer_new(w->graph, w->arena, error);
         if (!w->renderer) return false;
-        w->light = o->light.light ? film_light_new(&o->light, w->renderer, w->arena, error) : NULL;
-        if (o->light.light && !w->light) return false;
-        if (w->light && o->look == WALK_BAKED && o->false_colour != FALSE_COLOUR_OFF &&
-            !(w->overlay = overlay_new(w->arena, error)))
+        bool lit = o->light.light && o->look == WALK_BAKED;
+        if (lit && !(w->light = film_light_new(&o->light, w->renderer, w->arena, error))) return false;
+        if (lit && o->false_colour != FALSE_COLOUR_OFF && !(w->overlay = overlay_new(w->arena, error)))
             return false;
     }
     if (!o->video) return true;

@@ -375,7 +375,9 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
     if (!loaded || !check_folder(a, scene.graph->building, arena, error)) return false;
     if (!draw_lit(a, &scene, arena, totals, error)) return false;
     if (totals->light_stayed)
-        app_warn("light stays as it is with the doors as they were baked (--bake lets it follow them)");
+        app_warn(a->load.lamps == SCENE_LAMPS_ALL
+                     ? "the light stays that of the doors as they were baked"
+                     : "the light stays that of the doors as they were baked (--bake lets it follow them)");
     for (int i = 0; i < totals->note_count; i++) app_warn(totals->notes[i]);
     if (a->json) {
         print_json(scene.scene, totals);

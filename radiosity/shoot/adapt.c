@@ -634,7 +634,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     RadSolution solution;
     a->indirect = ARENA_ARRAY(&a->scratch, double, count);
     bool good = solve_lamps(a, &a->rough, &arena, &solution, error);
-    // With lamps by the thousand those that were left out are not the strongest of all that is unshot.
+    // Lamps by the thousand have not all shot. rad_shoot would pass over as many as there were shots, those of other parts counted.
     if (good && !lamps_have_shot(a, &a->rough, &solution))
         good = begin(a, &a->rough, &arena, &solution, error);
     good = good && solve(a, &a->rough, false, &solution, a->indirect, error);

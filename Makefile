@@ -34,8 +34,8 @@ dir := build/$(config)$(if $(mpi),-mpi)
 layers := engine/core engine/team engine/gl maps/building maps/photometry maps/curved maps/enclose maps/polygons maps/plan maps/sweethome \
           maps/doom maps/quake maps/ifc maps/ifc_building maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
-          radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show radiosity/planner engine/sim engine/tour \
-          engine/library engine/scene engine/shade engine/lit engine/draw engine/overlay engine/display engine/walk engine/stills engine/app \
+          radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show radiosity/follow radiosity/planner engine/sim \
+          engine/tour engine/library engine/scene engine/shade engine/lit engine/draw engine/overlay engine/display engine/walk engine/stills engine/app \
           engine/bench engine/bench/light
 # Clang tells of loops that it does not vectorise, under a sanitizer or with counters: that is no fault.
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-pass-failed

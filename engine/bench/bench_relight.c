@@ -10,9 +10,9 @@
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
 #include "engine/scene/bake_mesh.h"
+#include "radiosity/follow/each_lamp.h"
+#include "radiosity/follow/relight.h"
 #include "radiosity/shoot/shoot_rows.h"
-#include "radiosity/show/each_lamp.h"
-#include "radiosity/show/relight.h"
 
 static const char HEAD[] = "building,change,method,ms_90,ms_whole,speedup,error_p99,error_mean,lamps,"
                            "elements,mb,ms_first,first_share\n";
@@ -224,8 +224,14 @@ static void compare_doors(Relit *r) {
     const Building *b = &r->scene.building;
     RadOptions fine = r->rad;
     fine.residual = TRUTH / 10;
-    Relight relight = {&r->mesh, &r->scene.lamps, &r->scene.forest, r->doors,
-                       &r->rad,  r->sources,      &r->solution,     NULL},
+    Relight relight = {.mesh = &r->mesh,
+                       .lamps = &r->scene.lamps,
+                       .forest = &r->scene.forest,
+                       .door_open = r->doors,
+                       .options = &r->rad,
+                       .sources = r->sources,
+                       .all = &r->solution,
+                       .day = &r->solution.day},
             exact = relight;
     exact.options = &fine;
     int openings = b->opening_count, count = 0, nodes = r->solution.node_count;

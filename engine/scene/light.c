@@ -7,11 +7,11 @@
 #include "engine/core/clock.h"
 #include "engine/scene/bake_mesh.h"
 #include "engine/scene/lamp_state.h"
+#include "radiosity/follow/each_lamp.h"
+#include "radiosity/follow/relight.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
-#include "radiosity/show/each_lamp.h"
-#include "radiosity/show/relight.h"
 #include "radiosity/show/shown.h"
 
 const char *light_place(const Building *building, Arena *arena) {
@@ -68,6 +68,7 @@ RadSolution light_of_source(const WalkLight *light, int source, Arena *arena) {
 typedef struct LightFollower {
     Relight relight;
     RadOptions rad;
+    Daylight day;  // of the rows
     RadSolution shown;
     const Rgb *lit;  // [count of the lamps] of the light that is shown; NULL: that light is not known
     Rgb *full;       // [count of the lamps]
@@ -121,7 +122,35 @@ bool light_follow(const WalkLight *light, const float *door_open, const Rgb *lit
 
 bool light_follow_begin(const WalkLight *light, const Progress *progress) {
     LightFollower *f = light->follower;
-    return !f->begun && find_followed(f, light->door_open, f->full, progress);
+    if (f->begun) return false;
+    f->begun = find_followed(f, light->door_open, f->full, progress);
+    return f->begun;
+}
+
+bool light_turns(const WalkLight *light) {
+    return light->follower && light->follower->rad.sky && light->solution->rest;
+}
+
+bool light_turn(const WalkLight *light, const Daylight *day, const float *door_open, const Progress *progress,
+                Arena *arena, WalkLight *out) {
+    LightFollower *f = light->follower;
+    Relight *r = &f->relight;
+    size_t openings = (size_t)r->mesh->graph->building->opening_count;
+    RadSolution *found = ARENA_ARRAY(arena, RadSolution, 1), filled;
+    if (!relight_turn(r, day, door_open, progress, arena, found)) return false;
+    for (int i = 0; i < 2; i++) arena_free(&f->kept[i]);
+    f->begun = false;
+    f->lit = f->full;
+    f->shown = filled = *found;
+    float *doors = ARENA_ARRAY(arena, float, openings + 1);
+    memcpy(doors, door_open, openings * sizeof *doors);
+    Mesh *shown = ARENA_ARRAY(arena, Mesh, 1);
+    *shown = mesh_copy(direct_sources_shown(r->sources), arena);
+    if (direct_sources_shown(r->sources) != r->mesh)
+        CORE_ASSERT(shown_fill(r->mesh, found, shown, direct_sources_nodes(r->sources), arena, &filled));
+    *out = show_fine(fine_mesh_new(shown, arena), &filled, doors, arena);
+    out->follower = f;
+    return true;
 }
 
 void light_follow_sum(const WalkLight *light, const Rgb *lit) {
@@ -137,6 +166,7 @@ void light_end(WalkLight *light) {
     if (!light->follower) return;
     relight_end(&light->follower->relight);
     shoot_rows_end(light->follower->rad.rows);
+    if (light->follower->rad.sky) sky_looks_end(light->follower->rad.sky);
     direct_sources_end(light->follower->relight.sources);
     for (int i = 0; i < 2; i++) arena_free(&light->follower->kept[i]);
     light->follower = NULL;
@@ -335,10 +365,23 @@ static void begin_following(Baking *b, LightFollower *follower) {
     b->sources = each_lamp_sources(b->mesh, &scene->lamps, b->hooks->threads, b->arena);
     relight_prepare(b->sources, b->mesh, b->arena);
     follower->rad = b->options.rad;
-    follower->rad.rows = b->options.rad.rows =
-        shoot_rows_new(b->mesh, &scene->forest, b->doors, &follower->rad, &b->solution->day, b->arena);
-    follower->relight = (Relight){b->mesh,        &scene->lamps, &scene->forest, b->doors,
-                                  &follower->rad, b->sources,    b->solution,    NULL};
+    follower->day = b->options.day;
+    if (daylight_shines(&follower->day)) {
+        follower->rad.form_factor.sky_parts = true;
+        follower->rad.sky = sky_looks_new(b->mesh, &scene->forest, b->doors, &follower->rad);
+        direct_sources_turn(b->sources, NULL, NULL);
+    }
+    follower->rad.rows =
+        shoot_rows_new(b->mesh, &scene->forest, b->doors, &follower->rad, &follower->day, b->arena);
+    b->options.rad = follower->rad;
+    follower->relight = (Relight){.mesh = b->mesh,
+                                  .lamps = &scene->lamps,
+                                  .forest = &scene->forest,
+                                  .door_open = b->doors,
+                                  .options = &follower->rad,
+                                  .sources = b->sources,
+                                  .all = b->solution,
+                                  .day = &follower->day};
 }
 
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
@@ -362,12 +405,12 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     b.drawn = b.mesh;
     b.drawn_doors = b.doors;
     rad_fit(b.mesh, &b.options.rad);
-    if (!begin_light(&b.options, &scene->forest, b.doors, &hooks->progress, b.mesh, arena, b.solution, error))
-        return false;
-    if (!follower) b.solution->lit = scene->lit;
-    if (!follower) b.solution->lamp_count = scene->lamps.count;
     if (follower) begin_following(&b, follower);
-    bool good = bake_all(&b, out, error);
+    bool good =
+        begin_light(&b.options, &scene->forest, b.doors, &hooks->progress, b.mesh, arena, b.solution, error);
+    if (good && !follower) b.solution->lit = scene->lit;
+    if (good && !follower) b.solution->lamp_count = scene->lamps.count;
+    good = good && bake_all(&b, out, error);
     if (good) store(&b, error);
     if (good && hooks->whole) hooks->whole(hooks->context, out);
     if (good && hooks->each && scene->lamps.count > 0) bake_each(&b, out, error);
@@ -439,7 +482,7 @@ static int weather_of(const Daylight *day) {
 }
 
 bool walk_scene_turn(void *context, const WalkScene *shown, int minutes, char *said, size_t size,
-                     Error *error) {
+                     Daylight *day, Error *error) {
     SceneOptions *load = context;
     const LoadedScene *scene = shown->scene;
     const Building *building = &scene->building;
@@ -455,7 +498,10 @@ bool walk_scene_turn(void *context, const WalkScene *shown, int minutes, char *s
     load->turned = minutes;
     double hour = from->time[0] + minutes / 60.0;
     int of_day = (int)(lrint(60 * hour) % (24 * 60) + 24 * 60) % (24 * 60);
-    bool night = minutes ? day_at_hour(from, building, hour).night : !daylight_shines(&scene->day);
+    DayOptions at = day_at_hour(from, building, hour);
+    bool night = minutes ? at.night : !daylight_shines(&scene->day);
+    *day = (Daylight){0};
+    if (!night && !day_over(&at, building, day, error)) return false;
     snprintf(said, size, "%02d:%02d%s", of_day / 60, of_day % 60, night ? ", night" : "");
     return true;
 }

@@ -77,6 +77,14 @@ bool light_follow_begin(const WalkLight *light, const Progress *progress);
 // the lamps are not as they were then, or that light is not known.
 bool light_follow_soon(const WalkLight *light, const float *door_open, const Rgb *lit, Arena *arena,
                        RadSolution *out);
+// Can the hour of the light turn? It follows, and was found by day.
+bool light_turns(const WalkLight *light);
+// The light of another day that shines, all lamps fully lit, with the doors `door_open` [opening_count]: along the rows that are there,
+// on a mesh of its own. `out` follows in the place of `light`, which is not to be asked any more, nor to be ended. It lives in the arena,
+// which must outlive what is found from it; memory that the light before lives in may go once `out` has turned in its turn. False where
+// progress asked to stop: all is as it was.
+bool light_turn(const WalkLight *light, const Daylight *day, const float *door_open, const Progress *progress,
+                Arena *arena, WalkLight *out);
 // Tells the follower that a sum of the light of lamps (light_of_source) is shown now.
 void light_follow_sum(const WalkLight *light, const Rgb *lit);
 // The lamps of a light that follows.
@@ -101,9 +109,9 @@ typedef struct WalkScene {
 // (SCENE_LAMPS_ALL). `context` is a SceneOptions. After the first building its memory is asked for gently, for there is one to go on with.
 bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
 // Turns the hour at which the next buildings are loaded: so many minutes on from that of the first. `shown` is one that was loaded; 0:
-// loaded as at first, stored light and all. Tells the hour in `said` [size]. False, with a sentence, where no light is baked, or the sky
-// has no hours. Light of other hours is not stored.
+// loaded as at first, stored light and all. Tells the hour in `said` [size], and its day, all zeros by night. False, with a sentence, where
+// no light is baked, or the sky has no hours. Light of other hours is not stored.
 bool walk_scene_turn(void *context, const WalkScene *shown, int minutes, char *said, size_t size,
-                     Error *error);
+                     Daylight *day, Error *error);
 
 #endif

@@ -45,13 +45,18 @@ struct LightThread {
     float *doors;
     bool doors_move;  // else they stand as they were baked
     int lamp_count, opening_count;
-    atomic_bool wanted, making;
+    bool day_wanted;  // under `day`
+    Daylight day;
+    atomic_bool wanted, making, turns, turning;
+    atomic_int turned;             // thousandths of a state of another day
     atomic_int lamps, lamps_done;  // LAMPS_KNOWN ..; thousandths
     LitStates *states;
     WalkLight *base;       // of `states`
     WalkLight *followed;   // the same if it follows the doors, to be ended; NULL
     bool short_of_memory;  // of the thread's own
     Arena asked;           // of the state asked for
+    Arena room[2];         // light of other days: each in the one that the light before does not lie in
+    int at;
 };
 
 // ---- in the bake's own thread
@@ -63,7 +68,8 @@ static bool note_progress(void *context, const char *stage, double done) {
     // The walk goes on without the light rather than end for lack of memory.
     if (memory_runs_short()) t->short_of_memory = true;
     atomic_store(whole ? &t->lamps_done : &t->done, (int)(1000 * done));
-    return !atomic_load(&t->stop) && !t->short_of_memory;
+    // The light of each lamp is not looked for where another day is asked for.
+    return !atomic_load(&t->stop) && !t->short_of_memory && !(whole && atomic_load(&t->turning));
 }
 
 // Nobody is woken once the thread was told to stop: the walk may have ended.
@@ -154,6 +160,7 @@ static void learn_lamps(LightThread *t, const WalkLight *light) {
         t->base = kept;
     }
     atomic_store(&t->lamps, t->states ? LAMPS_KNOWN : LAMPS_UNKNOWN);
+    atomic_store(&t->turns, t->followed && light_turns(t->followed));
     wake_walk(t);
 }
 
@@ -178,6 +185,58 @@ static bool goes_on(void *context, const char *stage, double done) {
     return !atomic_load(&t->stop);
 }
 
+// While nothing is asked for.
+static bool goes_on_idly(void *context, const char *stage, double done) {
+    const LightThread *t = context;
+    return goes_on(context, stage, done) && !atomic_load(&t->wanted);
+}
+
+// Where a turn is, about.
+static double done_of_turn(const char *stage, double done) {
+    if (strcmp(stage, "sky") == 0 || strcmp(stage, "sun") == 0) return 0.05;
+    if (strcmp(stage, "direct light") == 0) return 0.5 + 0.3 * done;
+    if (strcmp(stage, "reflected light") == 0) return 0.8;
+    return 0.1 + 0.4 * done;
+}
+
+static bool turn_goes_on(void *context, const char *stage, double done) {
+    LightThread *t = context;
+    t->short_of_memory = t->short_of_memory || memory_runs_short();
+    atomic_store(&t->turned, (int)(1000 * done_of_turn(stage, done)));
+    return goes_on(context, stage, done) && !t->short_of_memory;
+}
+
+static bool all_lit(const LightThread *t, const Rgb *lit) {
+    for (int i = 0; i < t->lamp_count; i++)
+        if (lit[i].r != 1 || lit[i].g != 1 || lit[i].b != 1) return false;
+    return true;
+}
+
+// Light of another day, on a mesh of its own. What the walk holds lies elsewhere.
+static void turn_day(LightThread *t, const Daylight *day, const Rgb *lit, const float *doors) {
+    Progress progress = {turn_goes_on, t}, whole = {goes_on, t};
+    Arena *room = &t->room[1 - t->at];
+    arena_free(room);
+    WalkLight *light = ARENA_ARRAY(room, WalkLight, 1);
+    if (!light_turn(t->base, day, doors, &progress, room, light)) {
+        // Without enough memory the building is read and baked at that hour, as it was before.
+        atomic_store(&t->turns, false);
+        return;
+    }
+    t->at = 1 - t->at;
+    t->base = t->followed = light;
+    LitMesh *mesh = lit_mesh_new(light->mesh, room);
+    int last = t->last == LAST ? LAST_ANEW : LAST;
+    for (int i = 0; i < STATES; i++) t->state[last + i] = lit_light_new(mesh, room);
+    t->states = lit_states_new(mesh, light, room);
+    if (all_lit(t, lit))
+        lit_light_fill(mesh, light->solution, doors, &t->state[last]);
+    else if (!lit_states_fill(t->states, lit, doors, &whole, &t->state[last]))
+        return;
+    t->last = last;
+    hand_over(t, last, mesh);
+}
+
 // Makes the state that is asked for; the newest one alone.
 static void make_state(LightThread *t) {
     Arena scratch = {0};
@@ -187,9 +246,19 @@ static void make_state(LightThread *t) {
     float *doors = ARENA_ARRAY(&scratch, float, t->opening_count + 1);
     memcpy(lit, t->lit, (size_t)t->lamp_count * sizeof *lit);
     memcpy(doors, t->doors_move ? t->doors : t->base->door_open, (size_t)t->opening_count * sizeof *doors);
+    Daylight day = t->day;
+    bool turns = t->day_wanted && memcmp(&day, &t->base->solution->day, sizeof day) != 0;
     atomic_store(&t->making, true);
-    t->wanted = false;
+    t->wanted = t->day_wanted = false;
+    atomic_store(&t->turning, false);
     pthread_mutex_unlock(&t->lock);
+    if (turns && atomic_load(&t->turns)) {
+        turn_day(t, &day, lit, doors);
+        atomic_store(&t->making, false);
+        arena_free(&scratch);
+        wake_walk(t);
+        return;
+    }
     Progress progress = {goes_on, t};
     int state = free_state(t);
     if (!atomic_load(&t->stop) && lit_states_fill_soon(t->states, lit, doors, &t->state[state])) {
@@ -214,7 +283,7 @@ static bool can_make(LightThread *t) {
 // Goes on with lamps and doors until it is told to stop.
 static void serve_states(LightThread *t) {
     bool tried = !t->baker.anew;
-    Progress progress = {goes_on, t};
+    Progress progress = {goes_on_idly, t};
     for (;;) {
         bool idle = !t->states;  // nothing to prepare
         pthread_mutex_lock(&t->lock);
@@ -312,7 +381,8 @@ const char *light_thread_note(const LightThread *t) {
     return light_thread_end(t) == LIGHT_UNDER_WAY ? "" : t->error.text;
 }
 
-void light_thread_ask(LightThread *t, const Rgb *lit, int count, const float *doors, int openings) {
+void light_thread_ask(LightThread *t, const Rgb *lit, int count, const float *doors, int openings,
+                      const Daylight *day) {
     pthread_mutex_lock(&t->lock);
     if (!t->lit || t->lamp_count != count || t->opening_count != openings) {
         arena_reset(&t->asked);
@@ -324,10 +394,17 @@ void light_thread_ask(LightThread *t, const Rgb *lit, int count, const float *do
     memcpy(t->lit, lit, (size_t)count * sizeof *lit);
     t->doors_move = doors != NULL;
     if (doors) memcpy(t->doors, doors, (size_t)openings * sizeof *doors);
+    if (day) t->day = *day;
+    t->day_wanted = t->day_wanted || day;
+    if (day) atomic_store(&t->turned, 0);
+    atomic_store(&t->turning, t->day_wanted);
     t->wanted = true;
     pthread_cond_signal(&t->received);
     pthread_mutex_unlock(&t->lock);
 }
+
+bool light_thread_turns(const LightThread *t) { return atomic_load(&t->turns); }
+double light_thread_turned(const LightThread *t) { return atomic_load(&t->turned) / 1000.0; }
 
 bool light_thread_behind(const LightThread *t) { return t->wanted || atomic_load(&t->making); }
 
@@ -356,6 +433,7 @@ bool light_thread_free(LightThread *t, double seconds) {
     pthread_cond_destroy(&t->received);
     pthread_mutex_destroy(&t->lock);
     if (t->followed) light_end(t->followed);
+    for (int i = 0; i < 2; i++) arena_free(&t->room[i]);
     arena_free(&t->arena);
     arena_free(&t->asked);
     return true;

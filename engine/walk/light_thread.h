@@ -34,8 +34,14 @@ const char *light_thread_note(const LightThread *thread);
 
 // Asks for the light with the lamps, [count of the scene's lamps], and the doors, [opening_count] (NULL: as they were baked), in a state,
 // which is copied; the newest one asked for is made. What that takes is found first where it is not known yet: by a bake anew, where light
-// was stored without.
-void light_thread_ask(LightThread *thread, const Rgb *lit, int count, const float *doors, int openings);
+// was stored without. `day`: under another day, where light_thread_turns, then the doors are told as well; NULL: under that of the last
+// state.
+void light_thread_ask(LightThread *thread, const Rgb *lit, int count, const float *doors, int openings,
+                      const Daylight *day);
+// Can the next state be one of another day that shines?
+bool light_thread_turns(const LightThread *thread);
+// How far the state of another day is, 0 .. 1.
+double light_thread_turned(const LightThread *thread);
 enum {
     LAMPS_KNOWN,    // the next state asked for comes at once
     LAMPS_SOUGHT,   // the light of each lamp is being found

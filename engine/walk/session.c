@@ -153,6 +153,7 @@ void session_advance(Session *s, double now) {
     for (; s->behind >= 1.0 / SESSION_TICKS; s->behind -= 1.0 / SESSION_TICKS) tick(s);
     watch_file(s);
     session_take_coming(s);
+    session_take_turned(s);
     session_let_go(s);
     session_trace(s);
 }

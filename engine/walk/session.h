@@ -14,7 +14,8 @@ typedef struct SessionLoader {
     bool (*load)(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
     void *context;
     // Turns the hour at which it is loaded next (walk_scene_turn); NULL: the hour stays.
-    bool (*turn)(void *context, const WalkScene *shown, int minutes, char *said, size_t size, Error *error);
+    bool (*turn)(void *context, const WalkScene *shown, int minutes, char *said, size_t size, Daylight *day,
+                 Error *error);
 } SessionLoader;
 
 typedef struct SessionOptions {

@@ -31,7 +31,8 @@ static void tell_end(Session *s) {
 void session_ask_light(Shown *shown) {
     const Building *b = shown->scene.graph->building;
     light_thread_ask(shown->baking, shown->lit, shown->scene.scene->lamps.count,
-                     shown->doors_moved ? shown->asked_open : NULL, b->opening_count);
+                     shown->doors_moved ? shown->asked_open : NULL, b->opening_count,
+                     shown->turning ? &shown->turning_day : NULL);
 }
 
 // Where a door stands, or will stand once it has moved: so its light is there the sooner.

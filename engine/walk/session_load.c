@@ -69,9 +69,10 @@ Shown *session_load_end(SessionLoad *load, Error *error) {
 
 // ---- another hour
 
-static bool turn(Session *s, int minutes, Error *error) {
+// Says the hour, and its day.
+static bool turn(Session *s, int minutes, Daylight *day, Error *error) {
     if (!s->loader.turn) return error_set(error, "the hour stays as it is: no light is baked");
-    return s->loader.turn(s->loader.context, &s->shown->scene, minutes, s->hour, sizeof s->hour, error);
+    return s->loader.turn(s->loader.context, &s->shown->scene, minutes, s->hour, sizeof s->hour, day, error);
 }
 
 void session_drop_coming(Session *s) {
@@ -85,29 +86,63 @@ void session_drop_coming(Session *s) {
 // Nothing comes: the hour is that of the building that is shown.
 static void stay(Session *s, const char *reason) {
     Error ignored;
+    Daylight day;
     session_say(s, true, "%s", reason);
     session_drop_coming(s);
     s->turned = s->shown->turned;
-    turn(s, s->turned, &ignored);
+    turn(s, s->turned, &day, &ignored);
 }
 
-void session_turn_hour(Session *s, int minutes) {
-    Error error;
-    session_drop_coming(s);
-    if (!turn(s, s->turned + minutes, &error)) {
-        session_say(s, false, "%s", error.text);
-        return;
-    }
-    s->turned += minutes;
-    if (s->turned == s->shown->turned) {
-        session_say(s, false, "%s", s->hour);
-        return;
-    }
+// The light that is shown goes on to another day, where it can.
+static bool follow_hour(Session *s, const Daylight *day) {
+    Shown *shown = s->shown;
+    if (!shown->baking || !shown->lit || !daylight_shines(day) ||
+        light_thread_end(shown->baking) != LIGHT_READY || !light_thread_turns(shown->baking))
+        return false;
+    shown->turning = true;
+    shown->turning_to = s->turned;
+    shown->turning_day = *day;
+    session_ask_light(shown);
+    return true;
+}
+
+static void read_at_hour(Session *s) {
     s->coming_load = session_load_begin(s, 0, 0, s->arena);
     if (s->coming_load)
         session_say(s, false, "%s: the light of that hour is on its way", s->hour);
     else
         stay(s, "the hour stays as it is: no thread can be started");
+}
+
+void session_take_turned(Session *s) {
+    Shown *shown = s->shown;
+    const LitLight *light = walk_renderer_lit(shown->renderer);
+    if (!shown->turning) return;
+    if (light && memcmp(&light->day, &shown->turning_day, sizeof light->day) == 0) {
+        shown->turning = false;
+        shown->turned = shown->turning_to;
+        if (s->turned == shown->turned) session_say(s, false, "%s", s->hour);
+    } else if (!light_thread_turns(shown->baking) && !light_thread_behind(shown->baking)) {
+        shown->turning = false;
+        if (s->turned != shown->turned && !s->coming && !s->coming_load) read_at_hour(s);
+    }
+}
+
+void session_turn_hour(Session *s, int minutes) {
+    Error error;
+    Daylight day;
+    session_drop_coming(s);
+    if (!turn(s, s->turned + minutes, &day, &error)) {
+        session_say(s, false, "%s", error.text);
+        return;
+    }
+    s->turned += minutes;
+    if (s->turned == s->shown->turned && !s->shown->turning)
+        session_say(s, false, "%s", s->hour);
+    else if (follow_hour(s, &day))
+        session_say(s, false, "%s: its light is on its way", s->hour);
+    else
+        read_at_hour(s);
 }
 
 // Lamps that were switched stay so, where they are the same.

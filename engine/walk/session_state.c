@@ -69,7 +69,7 @@ bool session_light_arriving(const Session *s) {
 
 double session_coming_done(const Session *s) {
     if (s->coming_load) return 0;
-    if (!s->coming) return -1;
+    if (!s->coming) return s->shown->turning ? light_thread_turned(s->shown->baking) : -1;
     return s->coming->baking ? light_thread_done(s->coming->baking) : 1;
 }
 

@@ -53,8 +53,11 @@ typedef struct Shown {
     float *asked_open;    // [opening_count] the doors for which light was asked last
     bool doors_moved;     // since the building was opened: light that shows them otherwise is wrong
     int turned;           // minutes by which its hour was turned
-    bool told;            // the end of the bake has been reported
-    struct Shown *next;   // in the list of those no longer shown whose light is still being baked
+    bool turning;         // its light is on its way to another day:
+    int turning_to;       // minutes
+    Daylight turning_day;
+    bool told;           // the end of the bake has been reported
+    struct Shown *next;  // in the list of those no longer shown whose light is still being baked
 } Shown;
 
 // Contents of a frame besides the eye's place and the doors: two that are the same byte for byte show the same picture.
@@ -139,6 +142,8 @@ Shown *session_load_end(SessionLoad *load, Error *error);
 void session_turn_hour(Session *s, int minutes);
 // Goes on with that. Needs OpenGL.
 void session_take_coming(Session *s);
+// The light of the building that is shown has turned to another hour.
+void session_take_turned(Session *s);
 // Gives the building up that was to come.
 void session_drop_coming(Session *s);
 

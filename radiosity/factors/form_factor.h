@@ -7,6 +7,7 @@
 #define RADIOSITY_FORM_FACTOR_H
 
 #include "radiosity/daylight/daylight.h"
+#include "radiosity/factors/sky_parts.h"
 #include "radiosity/factors/view.h"
 
 enum { FORM_FACTOR_FINEST = 2000 };
@@ -23,6 +24,7 @@ typedef struct FormFactorOptions {
     const FaceLines *lines;
     const Daylight *day;  // whose sky Row.sky_light is of; NULL: an even one
     const Panes *panes;   // of glass, which weaken Row.sky_light and Row.ground_light; NULL: none
+    bool sky_parts;       // rows tell Row.sky_part
     // Rows may be asked for with shifted samples; rad_shoot gives neighbours different ones. Errors of many patches cancel, as at
     // points of a room. One row errs more: where few patches light all, as in a slit of a centimetre, shown light is farther off.
     bool shifts;
@@ -43,6 +45,10 @@ typedef struct Row {
     // of `escaped`, which goes to the ground. Both as the options' panes let them through. Projective methods compute them; in the rows of
     // other methods they are 0.
     double sky_light, ground_light;
+    // [sky_part_count] what `sky_light` comes from, about, where the options ask for it: their shares are right but for one factor
+    // (sky_parts_fit)
+    const SkyPart *sky_part;
+    int sky_part_count;
 } Row;
 
 // The work done, for tables.

@@ -137,8 +137,7 @@ SpreadRows *spread_rows_new(const Mesh *mesh, const FormFactorOptions *options, 
     self->of = ARENA_ARRAY(arena, int, count);
     self->item = ARENA_ARRAY(arena, int32_t, count);
     row_start(&self->sum, mesh, arena);
-    self->sum.day = options->day;
-    self->sum.panes = options->panes;
+    row_start_sky(&self->sum, options, arena);
     return self;
 }
 

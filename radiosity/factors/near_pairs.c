@@ -343,6 +343,8 @@ const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
                       .escaped = row->escaped * scale,
                       .sky = row->sky * scale,
                       .sky_light = row->sky_light * scale,
-                      .ground_light = row->ground_light * scale};
+                      .ground_light = row->ground_light * scale,
+                      .sky_part = row->sky_part,
+                      .sky_part_count = row->sky_part_count};
     return &self->row;
 }

@@ -27,6 +27,14 @@ void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
     sum->faces = ARENA_ARRAY(arena, RowFace, mesh->face_count);
 }
 
+void row_start_sky(RowSum *sum, const FormFactorOptions *options, Arena *arena) {
+    sum->day = options->day;
+    sum->panes = options->panes;
+    if (!options->sky_parts) return;
+    sum->collector = sky_collector_new(arena);
+    sum->sky_part = ARENA_ARRAY(arena, SkyPart, SKY_PARTS_MOST);
+}
+
 void row_escape(RowSum *sum, const View *view, double share, Vec3 direction) {
     double through = share;
     if (sum->panes && sum->panes->count > 0)
@@ -37,6 +45,7 @@ void row_escape(RowSum *sum, const View *view, double share, Vec3 direction) {
         return;
     }
     sum->sky += share;
+    if (sum->collector && through > 0) sky_collector_add(sum->collector, through, direction);
     sum->sky_light += sum->day ? through * daylight_relative(sum->day, direction) : through;
 }
 
@@ -79,6 +88,8 @@ const Row *row_finish(RowSum *sum) {
     row->sky = fmin(sum->sky * scale, row->escaped);
     row->sky_light = sum->sky_light * scale;
     row->ground_light = sum->ground_light * scale;
+    row->sky_part = sum->sky_part;
+    if (sum->collector) row->sky_part_count = sky_collector_take(sum->collector, sum->sky_part);
     sum->touched_count = 0;
     sum->back = sum->escaped = sum->sky = sum->sky_light = sum->ground_light = 0;
     return row;
@@ -129,30 +140,45 @@ Vec3 row_direction(const View *view, const FormFactorSamples *s, int i) {
     return vec3_add(vec3_scale(view->z, (double)s->z[i]), vec3_add(side, up));
 }
 
+static void begin_faces(RowSum *sum) {
+    if (++sum->stamp != 0) return;
+    // The stamp wrapped around to 0: forget all old marks.
+    for (int f = 0; f < sum->mesh->face_count; f++) sum->faces[f].stamp = 0;
+    sum->stamp = 1;
+}
+
+// The element that a sample meets on the face of an item; -1: the face's back is seen.
+static inline int element_met(RowSum *sum, const View *view, const FormFactorSamples *samples, int i,
+                              int item) {
+    RowFace *face = &sum->faces[item];
+    if (face->stamp != sum->stamp) lay_face(sum, view, item, face);
+    if (face->first_square < 0) return -1;
+    float x = samples->x[i], y = samples->y[i], z = samples->z[i];
+    float scale = 1 / dot3(face->n, x, y, z);
+    int column = square_along(dot3(face->x, x, y, z) * scale, face->columns);
+    int row = square_along(dot3(face->y, x, y, z) * scale, face->rows);
+    int element = sum->mesh->squares[face->first_square + row * face->nx + column];
+    return element < 0 ? stray(sum, view, item, (Vec3){(double)x, (double)y, (double)z}) : element;
+}
+
 void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item) {
-    const int *squares = sum->mesh->squares;
-    if (++sum->stamp == 0) {
-        // The stamp wrapped around to 0: forget all old marks.
-        for (int f = 0; f < sum->mesh->face_count; f++) sum->faces[f].stamp = 0;
-        sum->stamp = 1;
-    }
+    begin_faces(sum);
     for (int i = 0; i < samples->count; i++) {
         if (item[i] < 0) {
             row_escape(sum, view, (double)samples->weight[i], row_direction(view, samples, i));
             continue;
         }
-        RowFace *face = &sum->faces[item[i]];
-        if (face->stamp != sum->stamp) lay_face(sum, view, item[i], face);
-        if (face->first_square < 0) {
+        int element = element_met(sum, view, samples, i, item[i]);
+        if (element < 0)
             sum->back += (double)samples->weight[i];
-            continue;
-        }
-        float x = samples->x[i], y = samples->y[i], z = samples->z[i];
-        float scale = 1 / dot3(face->n, x, y, z);
-        int column = square_along(dot3(face->x, x, y, z) * scale, face->columns);
-        int row = square_along(dot3(face->y, x, y, z) * scale, face->rows);
-        int element = squares[face->first_square + row * face->nx + column];
-        if (element < 0) element = stray(sum, view, item[i], (Vec3){(double)x, (double)y, (double)z});
-        row_add(sum, element, (double)samples->weight[i]);
+        else
+            row_add(sum, element, (double)samples->weight[i]);
     }
+}
+
+void row_elements(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item,
+                  int *out) {
+    begin_faces(sum);
+    for (int i = 0; i < samples->count; i++)
+        out[i] = item[i] < 0 ? -1 : element_met(sum, view, samples, i, item[i]);
 }

@@ -54,8 +54,7 @@ FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
     self->mesh = mesh;
     self->self = method->start(mesh, options, arena);
     row_start(&self->sum, mesh, arena);
-    self->sum.day = options->day;
-    self->sum.panes = options->panes;
+    row_start_sky(&self->sum, options, arena);
     self->elements = ARENA_ARRAY(arena, int, mesh->face_count);
     for (int f = 0; f < mesh->face_count; f++) self->elements[f] = mesh->faces[f].element_count;
     if (method->projective) self->item = ARENA_ARRAY(arena, int32_t, method->samples(self->self)->count);

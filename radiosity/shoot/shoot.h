@@ -14,6 +14,7 @@
 
 typedef struct RadSolution RadSolution;
 typedef struct ShootRows ShootRows;  // shoot_rows.h
+typedef struct SkyLooks SkyLooks;    // sky.h
 
 // How light is shot, and when to stop.
 typedef struct RadOptions {
@@ -37,6 +38,8 @@ typedef struct RadOptions {
     // The rows of this mesh, the caller's, who goes on with them: the next light is shot along the same rows. NULL: rad_shoot makes its
     // own. Once light was gathered along them it is known which patches are strong, and which are noisy.
     ShootRows *rows;
+    // Looks at the sky from this mesh, the same way; NULL: rad_shine looks anew.
+    SkyLooks *sky;
     // The mesh is that of a part of the building (MeshOptions.part): light of all parts is found side by side, each by a member of a team.
     // Sums of power, and what was stopped, are those of all. Then `shots` is not asked. NULL: the mesh is that of the whole building.
     const Borders *borders;

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "engine/core/parallel.h"
 #include "radiosity/factors/lamp_spread.h"
@@ -217,17 +218,19 @@ const bool *shoot_rows_there(const ShootRows *rows) { return rows->there; }
 
 const ShootRow *shoot_rows_of(const ShootRows *rows, int patch) { return rows->of[patch]; }
 
-static size_t row_bytes(int runs, int elements) {
+static size_t row_bytes(int runs, int elements, int sky_parts) {
     size_t run = sizeof(ShootRun) + sizeof(uint8_t), element = sizeof(float) + sizeof(uint8_t);
-    size_t bytes = sizeof(ShootRow) + (size_t)runs * run + (size_t)elements * element;
+    size_t bytes = sizeof(ShootRow) + (size_t)runs * run + (size_t)elements * element +
+                   (size_t)sky_parts * sizeof(SkyPart);
     return (bytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
 }
 
 // Where the parts of a row lie behind it.
-static void place_row(ShootRow *row, int runs, int elements) {
+static void place_row(ShootRow *row, int runs, int elements, int sky_parts) {
     row->runs = (ShootRun *)(row + 1);
     row->density = (float *)(row->runs + runs);
-    row->count = (uint8_t *)(row->density + elements);
+    row->sky_part = (SkyPart *)(row->density + elements);
+    row->count = (uint8_t *)(row->sky_part + sky_parts);
     row->offset = row->count + runs;
 }
 
@@ -281,7 +284,7 @@ static void lay_out(Runs *runs) {
 // as met by backs: it is absorbed.
 static void copy_row(const ShootRows *rows, const Row *from, Runs runs, const Patch *of, const Panes *panes,
                      ShootRow *to) {
-    place_row(to, runs.count, from->count);
+    place_row(to, runs.count, from->count, from->sky_part_count);
     lay_out(&runs);
     double sum = from->back + from->escaped, kept = 0;
     to->run_count = runs.count;
@@ -315,6 +318,11 @@ static void copy_row(const ShootRows *rows, const Row *from, Runs runs, const Pa
     to->escaped = from->escaped;
     to->sky_light = from->sky_light;
     to->ground_light = from->ground_light;
+    to->sky_part_count = from->sky_part_count;
+    if (to->sky_part_count > 0) {
+        memcpy(to->sky_part, from->sky_part, (size_t)to->sky_part_count * sizeof *to->sky_part);
+        sky_parts_fit(to->sky_part, to->sky_part_count, rows->usual.day, to->sky_light);
+    }
     to->scale = 1 / sum;
 }
 
@@ -404,8 +412,11 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
         if (times[p] > STRONG) list[strong++] = times[p];
     }
     double least = borders_least(borders, list, strong, MOST_STRONG * patches);
-    for (int p = 0; p < count; p++)
-        if (times[p] > STRONG && times[p] >= least) rows->strong[p] = rows->fine[p] = true;
+    for (int p = 0; p < count; p++) {
+        if (!(times[p] > STRONG && times[p] >= least)) continue;
+        shoot_rows_refine(rows, p);
+        rows->strong[p] = true;
+    }
     arena_free(&scratch);
 }
 
@@ -453,7 +464,7 @@ static void make_row(void *context, int index, int thread) {
     maker->faces += view->face_count;
     if (maker->near && !spread) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
-    size_t bytes = row_bytes(runs.count, row->count);
+    size_t bytes = row_bytes(runs.count, row->count, row->sky_part_count);
     maker->made_bytes += (long long)bytes;
     slot->row = keep(rows, maker, bytes);
     slot->waiting = !slot->row;
@@ -544,6 +555,7 @@ void shoot_rows_shot(ShootRows *rows, int patch) {
 }
 
 void shoot_rows_refine(ShootRows *rows, int patch) {
+    if (rows->fine[patch]) return;
     shoot_rows_shot(rows, patch);
     rows->of[patch] = NULL;
     rows->there[patch] = false;
@@ -571,10 +583,14 @@ bool shoot_rows_depend(const ShootRows *rows, int index, const MovedDoors *moved
 // Memory of rows that were dropped is given back once it is this share of all.
 static const double MOST_GAPS = 0.25;
 
+static size_t bytes_of(const ShootRow *row) {
+    return row_bytes(row->run_count, row->element_count, row->sky_part_count);
+}
+
 static size_t bytes_there(const ShootRows *rows) {
     size_t bytes = 0;
     for (int p = 0; p < rows->mesh->patch_count; p++)
-        if (rows->of[p]) bytes += row_bytes(rows->of[p]->run_count, rows->of[p]->element_count);
+        if (rows->of[p]) bytes += bytes_of(rows->of[p]);
     return bytes;
 }
 
@@ -592,14 +608,14 @@ static void close_gaps(ShootRows *rows) {
     for (int p = 0; p < rows->mesh->patch_count; p++) {
         const ShootRow *row = rows->of[p];
         if (!row) continue;
-        size_t bytes = row_bytes(row->run_count, row->element_count);
+        size_t bytes = bytes_of(row);
         ShootRow *to =
             keep(rows, &rows->makers[(long long)p * rows->threads / rows->mesh->patch_count], bytes);
         rows->of[p] = to;
         rows->there[p] = to != NULL;
         if (!to) continue;
         memcpy(to, row, bytes);
-        place_row(to, row->run_count, row->element_count);
+        place_row(to, row->run_count, row->element_count, row->sky_part_count);
     }
     for (int t = 0; t < rows->threads; t++) arena_free(&before[t]);
     rows->full = rows->options->row_bytes == 0;
@@ -636,6 +652,22 @@ int shoot_rows_move(ShootRows *rows, const MovedDoors *moved, bool *dropped) {
     move_middles(rows);
     if (rows->shapes) near_shapes_pose(rows->shapes, rows->mesh);
     return count;
+}
+
+// ---- another hour
+
+static void turn_row(void *context, int index, int thread) {
+    (void)thread;
+    const ShootRows *rows = context;
+    ShootRow *row = rows->of[index];
+    if (row) row->sky_light = sky_parts_light(row->sky_part, row->sky_part_count, rows->usual.day);
+}
+
+void shoot_rows_turn(ShootRows *rows) {
+    CORE_ASSERT(rows->usual.day && rows->usual.sky_parts);
+    parallel_for(rows->threads, rows->mesh->patch_count, turn_row, rows);
+    memset(rows->strong, 0, (size_t)rows->mesh->patch_count * sizeof *rows->strong);
+    rows->settled = false;
 }
 
 void shoot_rows_make(ShootRows *rows, int *patches, int count) {

@@ -20,9 +20,12 @@ typedef struct ShootRow {
     uint8_t *offset;  // [element_count] the element's index in its patch
     double back, escaped, scale;
     double sky_light, ground_light;  // as in Row
+    SkyPart *sky_part;               // [sky_part_count] whose light is `sky_light`; 0: not asked for
+    int sky_part_count;
 } ShootRow;
 
-// `day`: whose sky the rows tell; it must outlive them.
+// `day`: whose sky the rows tell; it must outlive them, and may change where the rows know the parts of the sky (options->form_factor:
+// shoot_rows_turn).
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, const Daylight *day, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
@@ -43,11 +46,15 @@ bool shoot_rows_depend(const ShootRows *rows, int patch, const MovedDoors *moved
 // of these doors, notes them in `dropped` [patch_count] (NULL: nowhere), and returns how many.
 int shoot_rows_move(ShootRows *rows, const MovedDoors *moved, bool *dropped);
 
+// The day that the rows tell has changed, in its place: the sun stands elsewhere. The rows stay, and tell the light of that sky. They are
+// not settled any more: other patches may be strong.
+void shoot_rows_turn(ShootRows *rows);
+
 // From now on the rows are those of `closed`, which is the mesh with black panes more (panes_between_rooms): what they stand before is
 // absorbed. Only Row.sky_light and ground_light of rows that are there stay as they are: nothing is to be gathered along them.
 void shoot_rows_close(ShootRows *rows, const Mesh *closed);
 
-// Drops the row of a patch, if it is there: the next one has as many directions as those of lamps.
+// Drops the row of a patch, if it is there, unless it has as many directions as those of lamps: the next one has.
 void shoot_rows_refine(ShootRows *rows, int patch);
 
 // How many rows to make at a time, so that all threads have enough to do and the rows of neighbours are made together; never more

@@ -18,11 +18,25 @@
 #include "radiosity/factors/sampler.h"
 #include "radiosity/shoot/sunlight.h"
 
+// Light that comes in by an opening from a part of the sky, or from the ground, to an element: its power, for a radiance of 1 W/m^2/sr
+// overhead or from the ground, is pi times the part's share.
+typedef struct Incoming {
+    int element;   // -1: backs
+    bool ground;   // the part has no middle
+    SkyPart part;  // its share in m^2
+} Incoming;
+
 typedef struct SkyOpening {
     int inside, outside;   // cells
     Plane plane;           // n points inside
     const Vec3 *vertices;  // [count] in CellGraph.portal_vertices
     int count;
+    int first_piece, piece_count;
+    // If looks are kept: what comes in, and the doors that it depends on, as in View.
+    bool known;
+    Incoming *incoming;  // [incoming_count]
+    int incoming_count;
+    uint64_t *doors;
 } SkyOpening;
 
 typedef struct SkyPiece {
@@ -97,6 +111,8 @@ static void cut_opening(SkyOpenings *out, int opening, double size, Arena *arena
         *ARENA_PUSH(arena, out->pieces, out->piece_count, *capacity) =
             (SkyPiece){.opening = opening, .centre = vec3_add(v[0], vec3_scale(sum, 1.0 / o->count))};
     for (int i = first; i < out->piece_count; i++) out->pieces[i].area = area / (out->piece_count - first);
+    out->openings[opening].first_piece = first;
+    out->openings[opening].piece_count = out->piece_count - first;
 }
 
 // All openings; of pieces those whose light this part of the building sends in.
@@ -115,8 +131,11 @@ static SkyOpenings sky_openings(const Mesh *mesh, Arena *arena) {
         if (first) plane = (Plane){vec3_scale(plane.n, -1), -plane.d};
         const Vec3 *vertices = graph->portal_vertices + portal->first_vertex;
         area += polygon_area(vertices, portal->vertex_count);
-        out.openings[out.count++] =
-            (SkyOpening){portal->cell[first], portal->cell[!first], plane, vertices, portal->vertex_count};
+        out.openings[out.count++] = (SkyOpening){.inside = portal->cell[first],
+                                                 .outside = portal->cell[!first],
+                                                 .plane = plane,
+                                                 .vertices = vertices,
+                                                 .count = portal->vertex_count};
     }
     double size = fmax(PIECE, sqrt(area / MOST_PIECES));
     for (int o = 0; o < out.count; o++)
@@ -220,10 +239,17 @@ typedef struct Watcher {
     SkyTable behind, above;     // of `outside` and `around`
     unsigned char *origin;      // [samples] of `inside`: the origin of the light behind
     int32_t *lit;               // [samples] of `inside`: items of one origin
+    int *met;                   // [samples] of `inside`: elements, if looks are kept
+    struct Ray *rays;           // [samples] of `inside`, likewise
     float *weight;   // [samples] of `inside`, times the sky's radiance there, and what panes let through
     Panes panes[2];  // those before the look at hand, and those behind an opening's piece
     RowSum sum;
     FormFactorWork work;
+    // If looks are kept.
+    SkyCollector *collector;
+    SkyPart *part;    // [SKY_PARTS_MOST]
+    uint64_t *doors;  // those that the looks of a patch, or of a piece, depend on
+    Arena kept;       // of Seen
 } Watcher;
 
 // The light of one origin that a piece sends in: of its power, for a radiance of `mean`, the shares of elements and backs.
@@ -233,24 +259,43 @@ typedef struct BeamPart {
     double back, mean;
 } BeamPart;
 
+// Samples of one cell of the sky, or of the ground, that meet one element one after the other.
+typedef struct Ray {
+    int element, cell;  // element -1: backs; cell -1: the ground
+    double share;       // of the view of a piece
+    double light;       // times the radiance over that overhead
+    Vec3 sum;           // of directions to the sky, times the share
+} Ray;
+
 typedef struct Beam {
     Arena arena;
     BeamPart parts[ORIGINS];
+    // If looks are kept, instead of the parts.
+    Ray *rays;  // [ray_count]
+    int ray_count;
+    uint64_t *doors;
 } Beam;
 
 // The hemisphere over an element, weighted by the cosine: the share that is sky, the same with the sky's radiance over that overhead, and
 // the share that is ground beyond the building's.
 typedef struct Seen {
     double open, sky, ground;
+    SkyPart *part;  // [part_count] whose light is `sky`, if looks are kept
+    int part_count;
 } Seen;
 
-typedef struct Shine {
+typedef struct SkyLooks Shine;
+
+struct SkyLooks {
+    Arena arena;
     const Mesh *mesh;
     const StabForest *forest;
     const RadOptions *options;
+    bool keep;
+    int threads;
     SkyOpenings openings;
     FaceLines lines;
-    const Daylight *day;
+    Daylight day;     // under which light was found last
     double below[3];  // radiance of the ground
     bool ground;      // any of it is above 0
     bool *looks;      // [element_count] for the sky itself
@@ -259,7 +304,13 @@ typedef struct Shine {
     Watcher *watchers;
     Beam beams[BATCH];
     int first;  // piece or patch of the batch
-} Shine;
+    int *list;  // [piece_count] the pieces to look from
+    // If looks are kept.
+    bool *known;      // [patch_count] its elements have looked
+    uint64_t *doors;  // [patch_count * door_words] that this depends on, as in View
+    int door_words;
+    size_t used;  // memory of Seen when it was tidied last, bytes
+};
 
 // ---- tools
 
@@ -300,6 +351,13 @@ static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
     w->behind.relative = ARENA_ARRAY(&w->arena, double, most);
     w->above.relative = ARENA_ARRAY(&w->arena, double, most);
     row_start(&w->sum, s->mesh, &w->arena);
+    if (s->keep) {
+        w->collector = sky_collector_new(&w->arena);
+        w->part = ARENA_ARRAY(&w->arena, SkyPart, SKY_PARTS_MOST);
+        w->met = ARENA_ARRAY(&w->arena, int, most);
+        w->rays = ARENA_ARRAY(&w->arena, Ray, most);
+        w->doors = ARENA_ARRAY(&w->arena, uint64_t, viewer_door_words(w->viewer) + 1);
+    }
     for (int i = 0; i < 2; i++) w->panes[i].panes = ARENA_ARRAY(&w->arena, Pane, s->mesh->panes.count + 1);
 }
 
@@ -315,6 +373,8 @@ static const View *look_at_sky(const Shine *s, Watcher *w, Sampler *sampler, Vec
     const View *view = viewer_look(w->viewer, &from, s->options->culling);
     sampler_draw(sampler, view, &w->work);
     sampler_items(sampler, w->item);
+    for (int i = 0; s->keep && i < s->door_words; i++)
+        w->doors[i] |= view->doors ? view->doors[i] : UINT64_MAX;
     return view;
 }
 
@@ -330,7 +390,7 @@ static const double *relative_of(const Shine *s, SkyTable *table, const View *vi
     for (int i = 0; i < samples->count; i++) {
         Vec3 along = along_sample(view, samples, i);
         along.z = height_of(view, samples, i);
-        table->relative[i] = along.z > 0 ? daylight_relative(s->day, along) : 0;
+        table->relative[i] = along.z > 0 ? daylight_relative(&s->day, along) : 0;
     }
     return table->relative;
 }
@@ -352,10 +412,17 @@ static Seen look_up(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell)
         if (height_of(view, samples, i) > 0) {
             seen.open += weight;
             seen.sky += weight * relative[i];
+            if (s->keep && weight > 0)
+                sky_collector_add(w->collector, weight, along_sample(view, samples, i));
         } else {
             seen.ground += weight;
         }
     }
+    if (!s->keep) return seen;
+    seen.part_count = sky_collector_take(w->collector, w->part);
+    seen.part = ARENA_ARRAY(&w->kept, SkyPart, seen.part_count + 1);
+    memcpy(seen.part, w->part, (size_t)seen.part_count * sizeof *w->part);
+    sky_parts_fit(seen.part, seen.part_count, &s->day, seen.sky);
     return seen;
 }
 
@@ -370,17 +437,20 @@ static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patc
     Vec3 eye = element_centroid(s->mesh, e);
     int cell = cell_before(s, eye, normal, patch_cell);
     s->looks[e] = cell < 0 || sky_is_outdoors(s->mesh->graph, cell);
+    s->seen[e] = (Seen){0};
     if (s->looks[e]) s->seen[e] = look_up(s, w, eye, normal, cell);
 }
 
 // Under the open sky a patch looks for all its elements.
 static void look_from_patch(void *context, int index, int thread) {
     Shine *s = context;
-    const Patch *patch = &s->mesh->patches[s->first + index];
+    int number = s->first + index;
+    const Patch *patch = &s->mesh->patches[number];
     Vec3 n = s->mesh->faces[patch->face].plane.n;
     Watcher *w = &s->watchers[thread];
     Seen seen = {0};
-    if (!mesh_owns(s->mesh, patch->face)) return;
+    if (!mesh_owns(s->mesh, patch->face) || (s->keep && s->known[number])) return;
+    if (s->keep) memset(w->doors, 0, (size_t)s->door_words * sizeof *w->doors);
     bool open = patch->cell >= 0 && sky_is_outdoors(s->mesh->graph, patch->cell);
     if (open) {
         seen = look_up(s, w, patch->centre, n, patch->cell);
@@ -392,6 +462,10 @@ static void look_from_patch(void *context, int index, int thread) {
         else
             s->looks[e] = true, s->seen[e] = seen;
     }
+    if (!s->keep) return;
+    memcpy(s->doors + (size_t)number * (size_t)s->door_words, w->doors,
+           (size_t)s->door_words * sizeof *w->doors);
+    s->known[number] = true;
 }
 
 // ---- openings
@@ -410,7 +484,7 @@ static bool look_back(const Shine *s, Watcher *w, const SkyOpening *o, const Sky
         if (height_of(view, out, behind) > 0) {
             w->origin[i] = FROM_SKY;
             w->weight[i] *= (float)relative[behind];
-        } else if (s->ground) {
+        } else if (s->ground || s->keep) {
             w->origin[i] = FROM_GROUND;
         }
         any = any || w->origin[i] != FROM_NOWHERE;
@@ -470,21 +544,68 @@ static void send_in(const Shine *s, Watcher *w, const View *view, int origin, Be
     keep_part(s, row_finish(&w->sum), &beam->arena, part);
 }
 
+// The samples of a piece, those side by side of one element and one cell of the sky together.
+static void keep_rays(const Shine *s, Watcher *w, const View *view, Beam *beam) {
+    const FormFactorSamples *in = sampler_samples(w->inside);
+    double all = 0;
+    int count = 0;
+    row_elements(&w->sum, view, in, w->item, w->met);
+    for (int i = 0; i < in->count; i++) {
+        all += (double)in->weight[i];
+        if (w->item[i] < 0) continue;
+        Vec3 back = vec3_scale(along_sample(view, in, i), -1);
+        bool sky = w->origin[i] == FROM_SKY;
+        int cell = sky ? sky_part_cell(back) : -1;
+        Ray *ray = &w->rays[count > 0 ? count - 1 : 0];
+        if (count == 0 || ray->element != w->met[i] || ray->cell != cell) {
+            ray = &w->rays[count++];
+            *ray = (Ray){.element = w->met[i], .cell = cell};
+        }
+        // `weight` knows the radiance of the sky already.
+        double light = (double)w->weight[i], share = sky ? light / w->behind.relative[s->mirror[i]] : light;
+        ray->share += share;
+        ray->light += light;
+        if (sky) ray->sum = vec3_add(ray->sum, vec3_scale(back, share));
+    }
+    for (int i = 0; i < count; i++) {
+        w->rays[i].share /= all;
+        w->rays[i].light /= all;
+    }
+    beam->ray_count = count;
+    beam->rays = ARENA_ARRAY(&beam->arena, Ray, count + 1);
+    memcpy(beam->rays, w->rays, (size_t)count * sizeof *w->rays);
+}
+
+// The doors that a beam depends on.
+static void keep_doors(const Shine *s, const Watcher *w, Beam *beam) {
+    beam->doors = ARENA_ARRAY(&beam->arena, uint64_t, s->door_words + 1);
+    memcpy(beam->doors, w->doors, (size_t)s->door_words * sizeof *w->doors);
+}
+
 static void look_in(void *context, int index, int thread) {
     Shine *s = context;
     Watcher *w = &s->watchers[thread];
     Beam *beam = &s->beams[index];
-    const SkyPiece *piece = &s->openings.pieces[s->first + index];
+    const SkyPiece *piece = &s->openings.pieces[s->list[s->first + index]];
     const SkyOpening *o = &s->openings.openings[piece->opening];
     arena_reset(&beam->arena);
     memset(beam->parts, 0, sizeof beam->parts);
-    if (!look_back(s, w, o, piece)) return;
+    beam->ray_count = 0;
+    if (s->keep) memset(w->doors, 0, (size_t)s->door_words * sizeof *w->doors);
+    bool any = look_back(s, w, o, piece);
+    if (!any && s->keep) keep_doors(s, w, beam);
+    if (!any) return;
     const View *view = look_at_sky(s, w, w->inside, piece->centre, o->plane.n, o->inside);
     const FormFactorSamples *in = sampler_samples(w->inside);
     for (int i = 0; i < in->count; i++)
         if (w->origin[i] == FROM_NOWHERE) w->item[i] = -1;
     sky_end_at_exits(&s->openings, s->forest, piece->opening, view, in, w->item);
     if (s->mesh->panes.count > 0) pass_panes(s, w, view, o);
+    if (s->keep) {
+        keep_rays(s, w, view, beam);
+        keep_doors(s, w, beam);
+        return;
+    }
     send_in(s, w, view, FROM_SKY, beam);
     if (s->ground) send_in(s, w, view, FROM_GROUND, beam);
 }
@@ -520,17 +641,162 @@ static int batch_of(const Shine *s, int all, int most) {
     return all - s->first < most ? all - s->first : most;
 }
 
-static bool shine_outdoors(Shine *s, int threads, const Progress *progress, RadSolution *solution) {
+// ---- looks that are kept
+
+// Rays of an opening, those of one element and one cell of the sky together, in the order in which they came.
+typedef struct Gathered {
+    Arena arena;
+    Ray *rays;  // [count]
+    int count, capacity;
+    int *slot;  // [slots] an index of `rays`, -1
+    int slots;  // a power of 2
+} Gathered;
+
+static int slot_of(const Gathered *g, int element, int cell) {
+    uint64_t key = (uint64_t)(element + 1) * (SKY_PARTS_MOST + 1) + (uint64_t)(cell + 1);
+    int at = (int)((key * 0x9E3779B97F4A7C15U) >> 33) & (g->slots - 1);
+    while (g->slot[at] >= 0 && (g->rays[g->slot[at]].element != element || g->rays[g->slot[at]].cell != cell))
+        at = (at + 1) & (g->slots - 1);
+    return at;
+}
+
+static void grow_gathered(Gathered *g) {
+    enum { FEWEST = 4096 };
+    g->slots = g->slots ? 2 * g->slots : FEWEST;
+    g->slot = ARENA_ARRAY(&g->arena, int, g->slots);
+    for (int i = 0; i < g->slots; i++) g->slot[i] = -1;
+    for (int i = 0; i < g->count; i++) g->slot[slot_of(g, g->rays[i].element, g->rays[i].cell)] = i;
+}
+
+static void add_ray(Gathered *g, const Ray *ray) {
+    if (2 * g->count >= g->slots) grow_gathered(g);
+    int *at = &g->slot[slot_of(g, ray->element, ray->cell)];
+    if (*at < 0) {
+        *at = g->count;
+        *ARENA_PUSH(&g->arena, g->rays, g->count, g->capacity) = *ray;
+        return;
+    }
+    Ray *to = &g->rays[*at];
+    to->share += ray->share;
+    to->light += ray->light;
+    to->sum = vec3_add(to->sum, ray->sum);
+}
+
+// Stores what came in by an opening. So many `pieces` of it have looked.
+static void end_opening(SkyOpening *o, double area, const Daylight *day, Gathered *g) {
+    free(o->incoming);
+    o->incoming = calloc((size_t)g->count + 1, sizeof *o->incoming);
+    CORE_ASSERT(o->incoming);
+    o->incoming_count = g->count;
+    o->known = true;
+    for (int i = 0; i < g->count; i++) {
+        const Ray *ray = &g->rays[i];
+        bool ground = ray->cell < 0;
+        SkyPart part = ground ? (SkyPart){.share = (float)ray->share} : sky_part_of(ray->share, ray->sum);
+        if (!ground) sky_parts_fit(&part, 1, day, ray->light);
+        part.share *= (float)area;
+        o->incoming[i] = (Incoming){ray->element, ground, part};
+    }
+    arena_free(&g->arena);
+    *g = (Gathered){0};
+}
+
+static void receive_incoming(const Shine *s, const Mesh *mesh, const SkyOpening *o, RadSolution *solution) {
+    for (int i = 0; i < o->incoming_count; i++) {
+        const Incoming *in = &o->incoming[i];
+        if ((in->ground && !s->ground) || (in->element >= 0 && s->looks[in->element])) continue;
+        double power = M_PI * (double)in->part.share;
+        if (!in->ground) power *= sky_part_relative(&in->part, &s->day);
+        const double *radiance = in->ground ? s->below : s->day.zenith;
+        if (in->element >= 0) {
+            receive(mesh, in->element, power, radiance, solution);
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
+            solution->emitted[c] += power * radiance[c];
+            solution->absorbed[c] += power * radiance[c];
+        }
+    }
+}
+
+// Light of looks that were made under another day.
+static void turn_patch(void *context, int index, int thread) {
+    const Shine *s = context;
+    const Patch *patch = &s->mesh->patches[index];
+    (void)thread;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        Seen *seen = &s->seen[e];
+        const Seen *before = e > patch->first_element ? &s->seen[e - 1] : NULL;
+        bool same = before && before->part == seen->part;
+        seen->sky = same ? before->sky : sky_parts_light(seen->part, seen->part_count, &s->day);
+    }
+}
+
+static bool any_moves(const uint64_t *doors, const MovedDoors *moved) {
+    for (int i = 0; i < moved->count; i++)
+        if (view_has_door(doors, moved->doors[i].opening)) return true;
+    return false;
+}
+
+static bool patch_depends(const Shine *s, int index, const MovedDoors *moved) {
     const Mesh *mesh = s->mesh;
+    const Patch *patch = &mesh->patches[index];
+    const uint64_t *doors = s->doors + (size_t)index * (size_t)s->door_words;
+    if (mesh_leaf_moves(moved, mesh->graph->building,
+                        mesh->graph->objects[mesh->faces[patch->face].object].leaf))
+        return true;
+    for (int i = 0; i < moved->count; i++)
+        if (view_has_door(doors, moved->doors[i].opening) &&
+            mesh_door_rises(&moved->doors[i], patch->centre, mesh->faces[patch->face].plane.n))
+            return true;
+    return false;
+}
+
+// Looks that were dropped are forgotten once they are half of all.
+static void tidy(Shine *s) {
+    size_t used = 0;
+    Arena kept = {0};
+    for (int t = 0; t < s->threads; t++) used += s->watchers[t].kept.used;
+    if (s->used == 0) s->used = used;
+    if (used <= 2 * s->used) return;
+    const SkyPart *last = NULL;
+    for (int e = 0; e < s->mesh->element_count; e++) {
+        Seen *seen = &s->seen[e];
+        if (e > 0 && last && seen->part == last) {
+            seen->part = s->seen[e - 1].part;
+            continue;
+        }
+        last = seen->part;
+        seen->part = ARENA_ARRAY(&kept, SkyPart, seen->part_count + 1);
+        if (seen->part_count > 0) memcpy(seen->part, last, (size_t)seen->part_count * sizeof *last);
+    }
+    for (int t = 0; t < s->threads; t++) arena_free(&s->watchers[t].kept);
+    s->watchers[0].kept = kept;
+    s->used = kept.used;
+}
+
+void sky_looks_move(SkyLooks *s, const MovedDoors *moved) {
+    for (int t = 0; t < s->threads; t++) viewer_pose(s->watchers[t].viewer);
+    for (int p = 0; p < s->mesh->patch_count; p++) s->known[p] = s->known[p] && !patch_depends(s, p, moved);
+    for (int o = 0; o < s->openings.count; o++) {
+        SkyOpening *opening = &s->openings.openings[o];
+        opening->known = opening->known && !any_moves(opening->doors, moved);
+    }
+    tidy(s);
+}
+
+// ---- all light
+
+static bool shine_outdoors(Shine *s, const Mesh *mesh, const Progress *progress, RadSolution *solution) {
     double lamps[3];
     memcpy(lamps, solution->emitted, sizeof lamps);
     for (s->first = 0; s->first < mesh->patch_count; s->first += PATCH_BATCH) {
         if (!progress_report(progress, "sky", 0.5 * s->first / mesh->patch_count)) return false;
-        parallel_for(threads, batch_of(s, mesh->patch_count, PATCH_BATCH), look_from_patch, s);
+        parallel_for(s->threads, batch_of(s, mesh->patch_count, PATCH_BATCH), look_from_patch, s);
     }
     for (int e = 0; e < mesh->element_count; e++) {
         double area = M_PI * mesh->elements[e].area;
-        if (s->seen[e].sky > 0) receive(mesh, e, area * s->seen[e].sky, s->day->zenith, solution);
+        if (s->seen[e].sky > 0) receive(mesh, e, area * s->seen[e].sky, s->day.zenith, solution);
         if (s->ground && s->seen[e].ground > 0)
             receive(mesh, e, area * s->seen[e].ground, s->below, solution);
     }
@@ -538,30 +804,51 @@ static bool shine_outdoors(Shine *s, int threads, const Progress *progress, RadS
     return true;
 }
 
-static bool shine_in(Shine *s, int threads, const Progress *progress, RadSolution *solution) {
-    int all = s->openings.piece_count;
-    for (s->first = 0; s->first < all; s->first += BATCH) {
-        if (!progress_report(progress, "sky", 0.5 + 0.5 * s->first / all)) return false;
-        int count = batch_of(s, all, BATCH);
-        parallel_for(threads, count, look_in, s);
-        for (int i = 0; i < count; i++) {
-            const SkyPiece *piece = &s->openings.pieces[s->first + i];
-            receive_part(s->mesh, piece, &s->beams[i].parts[FROM_SKY], s->day->zenith, solution);
-            if (s->ground) receive_part(s->mesh, piece, &s->beams[i].parts[FROM_GROUND], s->below, solution);
+// Keeps, or adds to the light, what came in by the pieces of a batch.
+static void take_beams(Shine *s, const Mesh *mesh, int count, Gathered *gathered, RadSolution *solution) {
+    for (int i = 0; i < count; i++) {
+        int number = s->list[s->first + i];
+        const SkyPiece *piece = &s->openings.pieces[number];
+        const Beam *beam = &s->beams[i];
+        if (!s->keep) {
+            receive_part(mesh, piece, &beam->parts[FROM_SKY], s->day.zenith, solution);
+            if (s->ground) receive_part(mesh, piece, &beam->parts[FROM_GROUND], s->below, solution);
+            continue;
         }
+        SkyOpening *o = &s->openings.openings[piece->opening];
+        if (number == o->first_piece) memset(o->doors, 0, (size_t)s->door_words * sizeof *o->doors);
+        for (int k = 0; k < beam->ray_count; k++) add_ray(gathered, &beam->rays[k]);
+        for (int k = 0; k < s->door_words; k++) o->doors[k] |= beam->doors[k];
+        if (number + 1 == o->first_piece + o->piece_count) end_opening(o, piece->area, &s->day, gathered);
     }
-    return true;
+}
+
+static bool shine_in(Shine *s, const Mesh *mesh, const Progress *progress, RadSolution *solution) {
+    Gathered gathered = {0};
+    bool go_on = true;
+    int all = 0;
+    for (int p = 0; p < s->openings.piece_count; p++)
+        if (!s->openings.openings[s->openings.pieces[p].opening].known) s->list[all++] = p;
+    for (s->first = 0; s->first < all && go_on; s->first += BATCH) {
+        go_on = progress_report(progress, "sky", 0.5 + 0.5 * s->first / all);
+        int count = go_on ? batch_of(s, all, BATCH) : 0;
+        parallel_for(s->threads, count, look_in, s);
+        take_beams(s, mesh, count, &gathered, solution);
+    }
+    arena_free(&gathered.arena);
+    for (int o = 0; o < s->openings.count && go_on; o++)
+        receive_incoming(s, mesh, &s->openings.openings[o], solution);
+    return go_on;
 }
 
 // Call after shine_outdoors, which says which elements are outdoors.
-static bool shine_sun(Shine *s, int threads, const Progress *progress, RadSolution *solution) {
-    const Mesh *mesh = s->mesh;
-    const Daylight *day = s->day;
+static bool shine_sun(Shine *s, const Mesh *mesh, const Progress *progress, RadSolution *solution) {
+    const Daylight *day = &s->day;
     Arena arena = {0};
     if (rgb_sum(day->beam) == 0) return true;
     if (!progress_report(progress, "sun", 0.5)) return false;
     double *share = ARENA_ARRAY(&arena, double, mesh->element_count);
-    sunlight_shares(mesh, day->sun, s->options->culling != CULL_NONE, threads, share);
+    sunlight_shares(mesh, day->sun, s->options->culling != CULL_NONE, s->threads, share);
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
         if (!(share[e] > 0) || !mesh_owns(mesh, element->face)) continue;
@@ -578,32 +865,76 @@ static bool all_go_on(const RadOptions *options, bool good) {
     return options->borders ? !team_any(borders_member(options->borders), !good) : good;
 }
 
-bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
-               const Daylight *day, const Progress *progress, RadSolution *solution) {
-    CORE_ASSERT(solution->shots == 0);
+static SkyLooks *looks_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                           const RadOptions *options, bool keep) {
     Arena arena = {0};
-    int threads = parallel_threads(options->threads);
-    Shine *s = ARENA_ARRAY(&arena, Shine, 1);
+    SkyLooks *s = ARENA_ARRAY(&arena, SkyLooks, 1);
     s->mesh = mesh;
     s->forest = forest;
     s->options = options;
-    s->day = day;
-    daylight_below(day, s->below);
-    s->ground = rgb_sum(s->below) > 0;
+    s->keep = keep;
+    s->threads = parallel_threads(options->threads);
     s->openings = sky_openings(mesh, &arena);
     s->lines = lines_of_mesh(mesh, &arena);
     s->looks = ARENA_ARRAY(&arena, bool, mesh->element_count);
     s->seen = ARENA_ARRAY(&arena, Seen, mesh->element_count);
-    s->watchers = ARENA_ARRAY(&arena, Watcher, threads);
-    for (int t = 0; t < threads; t++) make_watcher(s, door_open, &s->watchers[t]);
+    s->list = ARENA_ARRAY(&arena, int, s->openings.piece_count + 1);
+    s->watchers = ARENA_ARRAY(&arena, Watcher, s->threads);
+    for (int t = 0; t < s->threads; t++) make_watcher(s, door_open, &s->watchers[t]);
     s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
-    bool good = all_go_on(options, shine_outdoors(s, threads, progress, solution));
-    if (good && options->borders) borders_fetch(options->borders, BORDER_ELEMENT, s->looks, sizeof *s->looks);
-    good = good && all_go_on(options, shine_sun(s, threads, progress, solution)) &&
-           all_go_on(options, shine_in(s, threads, progress, solution));
-    if (good && options->borders) {
-        borders_bring(options->borders, BORDER_ELEMENT, solution->radiosity);
-        borders_bring(options->borders, BORDER_PATCH, solution->unshot);
+    if (keep) {
+        s->door_words = viewer_door_words(s->watchers[0].viewer);
+        size_t words = (size_t)s->door_words;
+        s->known = ARENA_ARRAY(&arena, bool, mesh->patch_count + 1);
+        s->doors = ARENA_ARRAY(&arena, uint64_t, (size_t)mesh->patch_count * words + 1);
+        for (int o = 0; o < s->openings.count; o++)
+            s->openings.openings[o].doors = ARENA_ARRAY(&arena, uint64_t, words + 1);
+    }
+    s->arena = arena;
+    return s;
+}
+
+SkyLooks *sky_looks_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                        const RadOptions *options) {
+    CORE_ASSERT(!options->borders);
+    return looks_new(mesh, forest, door_open, options, true);
+}
+
+void sky_looks_end(SkyLooks *s) {
+    for (int t = 0; t < s->threads; t++) {
+        arena_free(&s->watchers[t].arena);
+        arena_free(&s->watchers[t].kept);
+    }
+    for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
+    for (int o = 0; o < s->openings.count; o++) free(s->openings.openings[o].incoming);
+    Arena arena = s->arena;
+    arena_free(&arena);
+}
+
+// From now on light is found under this day; looks that are there tell it, too.
+static void turn_to(Shine *s, const Daylight *day) {
+    bool turned = memcmp(&s->day, day, sizeof *day) != 0;
+    s->day = *day;
+    daylight_below(day, s->below);
+    s->ground = rgb_sum(s->below) > 0;
+    for (int t = 0; t < s->threads && turned; t++)
+        s->watchers[t].behind.normal = s->watchers[t].above.normal = (Vec3){0, 0, 0};
+    if (turned && s->keep) parallel_for(s->threads, s->mesh->patch_count, turn_patch, s);
+}
+
+bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
+               const Daylight *day, const Progress *progress, RadSolution *solution) {
+    CORE_ASSERT(solution->shots == 0);
+    const Borders *borders = options->borders;
+    SkyLooks *s = options->sky ? options->sky : looks_new(mesh, forest, door_open, options, false);
+    turn_to(s, day);
+    bool good = all_go_on(options, shine_outdoors(s, mesh, progress, solution));
+    if (good && borders) borders_fetch(borders, BORDER_ELEMENT, s->looks, sizeof *s->looks);
+    good = good && all_go_on(options, shine_sun(s, mesh, progress, solution)) &&
+           all_go_on(options, shine_in(s, mesh, progress, solution));
+    if (good && borders) {
+        borders_bring(borders, BORDER_ELEMENT, solution->radiosity);
+        borders_bring(borders, BORDER_PATCH, solution->unshot);
     }
     solution->day = *day;
     for (int p = 0; p < mesh->patch_count; p++) {
@@ -613,10 +944,8 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
             for (int c = 0; c < 3; c++)
                 solution->daylight[e][c] = fmax(solution->radiosity[e][c] - emitted[c], 0);
     }
-    if (good && options->borders)
-        borders_fetch(options->borders, BORDER_ELEMENT, solution->daylight, sizeof *solution->daylight);
-    for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
-    for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
-    arena_free(&arena);
+    if (good && borders)
+        borders_fetch(borders, BORDER_ELEMENT, solution->daylight, sizeof *solution->daylight);
+    if (!options->sky) sky_looks_end(s);
     return good;
 }

@@ -7,7 +7,7 @@
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/sunlight.h"
-#include "radiosity/show/direct_points.h"
+#include "radiosity/show/direct_sources.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/show/shown.h"
 
@@ -153,64 +153,6 @@ static void linear_mean(const Mesh *mesh, const Nodes *nodes, double (*at_node)[
     for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
 }
 
-// Light that is shown: the solution on `mesh`, its light but that straight from lamps and sun, and reflected light where that is gathered
-// (rest.gathered); the mesh that shows it, and the elements that gather reflected light in their parts.
-typedef struct Showing {
-    const Mesh *mesh;
-    const StabForest *forest;
-    const float *door_open;
-    const RadSolution *solution, *rest;
-    const Mesh *shown;
-    ReflectedParts parts;
-    bool lamps;  // their light is known at the nodes
-    int threads;
-    const Progress *progress;
-    DirectSources *sources;  // or NULL
-    const Borders *borders;  // or NULL
-    double (*reflected)[3];  // [nodes] where to put the reflected light, NULL: it is not asked for
-} Showing;
-
-// The light that each source gives straight to what is shown, as one pass over the lamps of all has found it; and all that the light of
-// one source needs to be shown likewise.
-struct DirectSources {
-    Arena arena;
-    Arena *kept;  // [threads] of PointSources
-    const int *source_of;
-    int day, threads;
-    Showing show;       // of all light
-    const Mesh *shown;  // the mesh that shows it
-    Mesh *finer;        // the same where it is not the mesh of the elements, NULL
-    Nodes nodes;        // of that
-    PartRows parts;
-    const PointSources **node;    // [nodes.count]
-    const PointSources **corner;  // [corners that show the light]
-    float (*way)
-        [2];  // the same, as Direct.towards; NULL: doors do not move, or the mesh is that of the elements
-    const PointSources **middle;  // [elements that show the light]
-    bool *middle_known;           // [elements that show the light]
-    bool *lifts;                  // [elements that show the light] its nodes are lifted
-    float *besides;  // [elements that show the light] other light, against which lifts are seen, W/m^2
-    size_t used;     // memory of `kept` when it was tidied last, bytes
-    Mesh *moving;    // NULL: doors do not move
-    const float *const *state;  // [state_count] of doors
-    int state_count;
-    Daylight weather;        // the day that shone
-    struct ShownLast *last;  // NULL: no light was shown by direct_show_next
-};
-
-// The light that was shown last, [nodes.count] each, W/m^2.
-typedef struct ShownLast {
-    bool there;             // all of it is known
-    double (*share)[3];     // [sources]
-    double (*unlifted)[3];  // irradiance straight from the sources, as it is at the nodes
-    double (*straight)[3];  // the same, lifted
-    double (*reflected)[3];
-    double (*rest)[3], (*all)[3];  // radiosities, as in RadSolution
-    // Nodes whose sources were found anew since `straight` was; whose straight light was since `all` was; all that were just now.
-    Marks moved, lifted, found;
-    Marks lifts;  // [elements that show the light] around those that moved
-} ShownLast;
-
 DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena) {
     DirectSources *out = ARENA_ARRAY(arena, DirectSources, 1);
     out->threads = parallel_threads(threads);
@@ -284,12 +226,30 @@ static bool find_lift(const Mesh *shown, const Nodes *nodes, double (*at_node)[3
     return lifts;
 }
 
+// The irradiance of a state of the sources.
+static void put_sources(const PointSources *by, double (*share)[3], double out[3]) {
+    out[0] = out[1] = out[2] = 0;
+    for (int i = 0; by && i < by->count; i++) {
+        const double *of = share[by->by[i].source];
+        for (int c = 0; c < 3; c++) out[c] += of[c] * (double)by->by[i].light[c];
+    }
+}
+
+// All sources give all of their light.
+static double (*full_shares(const DirectSources *s, Arena *arena))[3] {
+    double(*share)[3] = arena_alloc(arena, (size_t)s->day + 1, sizeof *share);
+    for (int i = 0; i <= s->day; i++) share[i][0] = share[i][1] = share[i][2] = 1;
+    return share;
+}
+
 // Lifts nodes so that light between them is right in the mean. `d` knows the light within the elements of its mesh, in which those
 // of `shown` lie. Tells `sources`, or NULL, where it does.
 static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, double (*at_node)[3],
                        DirectSources *sources) {
     Arena scratch = {0};
     Lift lift = lift_new(nodes, &scratch);
+    double(*ones)[3] = sources ? full_shares(sources, &scratch) : NULL;
+    SourceSums *sums = sources && sources->lamps ? source_sums_new(sources, &scratch) : NULL;
     for (int e = 0; e < shown->element_count; e++) {
         int in = shown == d->mesh ? e : shown_around(d->mesh, shown, e);
         const Within *within = &d->within[in];
@@ -308,6 +268,13 @@ static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, d
             by = at && within->by ? within->by[at - within->points] : NULL;
         }
         bool known = middle && within->middle_known;
+        double all[3];
+        if (sources && sources->lamps) {
+            if (!known) by = NULL;
+            known = direct_turn_middle(sources, sums, shown, nodes, e, known, &by);
+            put_sources(by, ones, all);
+            middle = all;
+        }
         bool lifts = known && find_lift(shown, nodes, at_node, e, middle, d->besides[in], off);
         if (sources) {
             sources->besides[e] = (float)d->besides[in];
@@ -319,15 +286,6 @@ static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, d
     }
     lift_all(&lift, nodes, at_node);
     arena_free(&scratch);
-}
-
-// The irradiance of a state of the sources.
-static void put_sources(const PointSources *by, double (*share)[3], double out[3]) {
-    out[0] = out[1] = out[2] = 0;
-    for (int i = 0; by && i < by->count; i++) {
-        const double *of = share[by->by[i].source];
-        for (int c = 0; c < 3; c++) out[c] += of[c] * (double)by->by[i].light[c];
-    }
 }
 
 // How much an element lifts its nodes.
@@ -423,6 +381,8 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
     const Nodes *nodes = d->nodes;
     const PointSources **by = NULL;
     bool good = true;
+    const bool take_lamps = sources && sources->lamps;
+    if (take_lamps && shown == mesh) direct_turn_corners(sources, mesh, nodes, d->corner_by);
     if (sources) {
         by = arena_alloc(&sources->arena, (size_t)nodes->count + 1, sizeof *by);
         direct_node_sources(d, false, by);
@@ -442,6 +402,7 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
         take_known(&finer, d, at_node, by, sources ? sources->way : NULL);
         if (s->borders) settle_others(&finer);
         good = direct_light(&finer, s->threads, s->progress, irradiance, report);
+        if (good && take_lamps) direct_turn_corners(sources, shown, &finer_nodes, finer.corner_by);
         if (good && sources) {
             by = arena_alloc(&sources->arena, (size_t)finer_nodes.count + 1, sizeof *by);
             direct_node_sources(&finer, false, by);
@@ -460,6 +421,10 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
         sources->middle = arena_alloc(&sources->arena, (size_t)shown->element_count + 1, sizeof *by);
     }
     good = all_good(s->borders, good);
+    if (good && take_lamps) {
+        double(*share)[3] = full_shares(sources, &scratch);
+        for (int n = 0; n < nodes->count; n++) put_sources(by[n], share, at_node[n]);
+    }
     if (good) lift_nodes(d, shown, nodes, at_node, sources);
     direct_end(d);
     good = good && store_nodes(s, nodes, at_node, arena, out);
@@ -529,8 +494,10 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
         team_sum(borders_member(borders), counts, 3);
         settle_others(&d);
     }
-    d.lamps = counts[0] > 0 && counts[1] <= DIRECT_MOST_PAIRS;
-    if (d.lamps || d.sun || solution->gathered) {
+    const DirectSources *lamps = sources ? sources->lamps : NULL;
+    const bool exact_lamps = counts[0] > 0 && counts[1] <= DIRECT_MOST_PAIRS;
+    d.lamps = exact_lamps && !lamps;
+    if (exact_lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
         if (d.sun) {
             sun = solution->sun;
@@ -545,7 +512,7 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
                         .door_open = door_open,
                         .solution = solution,
                         .rest = &rest,
-                        .lamps = d.lamps,
+                        .lamps = exact_lamps,
                         .threads = threads,
                         .progress = progress,
                         .sources = sources,
@@ -560,10 +527,14 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
             if (solution->gathered && mesh->options.splits)
                 show.parts = reflected_parts(mesh, &nodes, solution, borders, lasting);
             good = find_bends_of_doors(&d, &show, &scratch);
+            for (int e = 0; good && lamps && e < mesh->element_count; e++)
+                d.bends[e] = bend_join(d.bends[e], lamps->bends[e], &scratch);
+            for (int e = 0; good && sources && sources->bends && e < mesh->element_count; e++)
+                sources->bends[e] = bend_join(NULL, d.bends[e], &sources->arena);
             splits = good ? bend_splits(mesh, d.bends, show.parts.halved, most, borders, arena) : NULL;
             if (borders) splits = splits_of_parts(borders, mesh, splits, arena);
         }
-        if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
+        if (solution->gathered) rest = other_light(mesh, solution, exact_lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, lasting, finer, &error);
         good = all_good(borders, good && (!borders || is_finer == (splits != NULL)));
         out.shown = is_finer ? splits : NULL;
@@ -581,6 +552,19 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
     }
     arena_free(&scratch);
     return good;
+}
+
+bool direct_show_lamps(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
+                       const Progress *progress, const RadSolution *solution, DirectSources *sources) {
+    RadSolution dark = *solution;
+    dark.day = (Daylight){0};
+    dark.gathered = false;
+    sources->bends = arena_alloc(&sources->arena, (size_t)mesh->element_count + 1, sizeof *sources->bends);
+    if (!direct_show_apart(mesh, forest, door_open, threads, progress, &sources->arena, &dark, sources, NULL,
+                           NULL))
+        return false;
+    if (sources->shown) sources->triangle = reconstruct_triangles(sources->shown, &sources->arena);
+    return true;
 }
 
 // All light of a state of the sources. `last` gets it, if not NULL.
@@ -775,9 +759,8 @@ static void tidy(DirectSources *s) {
 // Elements of patches that are not settled are lifted by their new middles, where they may be lifted at all.
 static void lift_anew(DirectSources *s, const Direct *d) {
     Arena scratch = {0};
-    double(*share)[3] = arena_alloc(&scratch, (size_t)s->day + 1, sizeof *share),
+    double(*share)[3] = full_shares(s, &scratch),
     (*at_node)[3] = arena_alloc(&scratch, (size_t)s->nodes.count + 1, sizeof *at_node);
-    for (int i = 0; i <= s->day; i++) share[i][0] = share[i][1] = share[i][2] = 1;
     for (int e = 0; e < s->shown->element_count; e++) {
         const Element *element = &s->shown->elements[e];
         double middle[3], off[3];

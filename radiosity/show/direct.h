@@ -24,6 +24,14 @@ void direct_sources_end(DirectSources *sources);
 // Doors will move: what shows the light is to be as fine as light in each of these states of the doors asks for, `state` [count], each
 // [opening_count]. Before direct_show_apart, which moves the doors of `mesh` there and back.
 void direct_sources_doors(DirectSources *sources, Mesh *mesh, const float *const *state, int count);
+// Finds the light straight from lamps alone, as `sources` show it on a mesh of its own, for the hours of a day; as fine as it is seen in
+// the light of a solution. False where progress asked to stop.
+bool direct_show_lamps(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
+                       const Progress *progress, const RadSolution *solution, DirectSources *sources);
+// The hour will turn (NULL, NULL); or it turns now: light straight from lamps is taken from that of direct_show_lamps, and rows of parts
+// from the sources `before`. Doors of both stand where those of the mesh do. Before direct_show_apart, until the end of which `before` must
+// last; the lamps must outlive the sources.
+void direct_sources_turn(DirectSources *sources, const DirectSources *lamps, const DirectSources *before);
 // After direct_show_apart: doors of the mesh have moved (mesh_move), to `to`. Finds anew what light straight from the
 // sources may pass them, and drops rows that may see them. Returns the number of points found anew.
 long long direct_sources_move(DirectSources *sources, const MovedDoors *moved, const float *to);

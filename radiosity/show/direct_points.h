@@ -1,4 +1,4 @@
-// direct_points.h - light straight from lamps and the sun at the points of a mesh; for direct.c alone.
+// direct_points.h - light straight from lamps and the sun at the points of a mesh; for direct*.c alone.
 #ifndef RADIOSITY_DIRECT_POINTS_H
 #define RADIOSITY_DIRECT_POINTS_H
 

@@ -404,6 +404,7 @@ Gatherer *gatherer_new_apart(const GatherScene *scene, const GatherOptions *opti
     if (daylight_shines(&scene->solution->day)) {
         rows.day = &scene->solution->day;
         rows.panes = &self->panes;
+        rows.sky_parts = options->sky_parts;
     }
     // Doors that move later may close panes that are open now.
     self->panes.panes = ARENA_ARRAY(arena, Pane, mesh->graph->building->opening_count + 1);
@@ -672,7 +673,13 @@ GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
     int words = viewer_door_words(self->viewer);
     uint64_t *doors = view->doors ? ARENA_ARRAY(arena, uint64_t, words + 1) : NULL;
     if (doors) memcpy(doors, view->doors, (size_t)words * sizeof *doors);
-    return (GatherRow){row->count, element, share, row->sky_light, row->ground_light, doors};
+    SkyPart *part = ARENA_ARRAY(arena, SkyPart, row->sky_part_count + 1);
+    if (row->sky_part_count > 0) {
+        memcpy(part, row->sky_part, (size_t)row->sky_part_count * sizeof *part);
+        sky_parts_fit(part, row->sky_part_count, &self->scene.solution->day, row->sky_light);
+    }
+    return (GatherRow){row->count,        element, share, row->sky_light,
+                       row->ground_light, doors,   part,  row->sky_part_count};
 }
 
 void gather_along(double (*leaving)[3], const Daylight *day, const GatherRow *row, double irradiance[3]) {

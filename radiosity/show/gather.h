@@ -13,6 +13,7 @@ typedef struct GatherOptions {
     Culling culling;
     bool exact_lamps;  // emitted light by closed form, with any method
     bool reflected;    // all but the light straight from lamps and the sun
+    bool sky_parts;    // rows tell GatherRow.sky_part
     // Random walks that replace the radiosities of elements close to the point.
     struct {
         // An element is near within its size times this; 0: no walks, close elements count like others
@@ -62,7 +63,9 @@ typedef struct GatherRow {
     const int *element;  // [count]
     const float *share;  // [count]
     double sky, ground;  // shares of the irradiances by a whole view of the sky overhead, and of the ground
-    const uint64_t *doors;  // as in View
+    const uint64_t *doors;    // as in View
+    const SkyPart *sky_part;  // [sky_part_count] whose light is `sky`; 0: not asked for
+    int sky_part_count;
 } GatherRow;
 // Only with the options `reflected`, without walks, by a projective method, and for a scene without slopes. Both arrays live in the
 // arena.

@@ -431,6 +431,16 @@ static void find_shares(const Mesh *mesh, const Element *e, const int *triangle,
     clamp_shares(share);
 }
 
+void reconstruct_shares(const Mesh *mesh, const int *triangle, int element, Vec3 point, int corner[3],
+                        double share[3]) {
+    const Element *e = &mesh->elements[element];
+    int best[3] = {0, 1, 2};
+    share[0] = 1;
+    share[1] = share[2] = 0;
+    find_shares(mesh, e, triangle + 3 * e->first_corner, point, best, share);
+    for (int i = 0; i < 3; i++) corner[i] = e->first_corner + best[i];
+}
+
 void reconstruct_in(const Mesh *mesh, const VertexLight *light, int element, Vec3 point, double out[3]) {
     const Element *e = &mesh->elements[element];
     Arena scratch = {0};

@@ -57,6 +57,11 @@ void reconstruct_values_again(const Mesh *mesh, const Nodes *nodes, bool of_patc
 // The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);
 
+// The corners of the triangle of an element in which a point lies, or to which it is nearest, as indices of mesh->corners, and their
+// shares of its light. `triangle`: of reconstruct_triangles.
+void reconstruct_shares(const Mesh *mesh, const int *triangle, int element, Vec3 point, int corner[3],
+                        double share[3]);
+
 // The light at a point of a face: linear over the triangles that elements are drawn as (polygon_triangulate). A point that rounding
 // puts outside its element gets the light of the element's nearest point.
 void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 point, double out[3]);

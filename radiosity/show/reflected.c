@@ -7,6 +7,7 @@
 #include "radiosity/show/reflected.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "engine/core/parallel.h"
 #include "radiosity/show/shown.h"
@@ -26,6 +27,8 @@ static const double MOST_PARTS = 0.9, MOST_APART = 0.5;
 static const double DARK = 0.01;
 // Directions each way of the rows of parts.
 enum { RESOLUTION = 40 };
+// Middles of parts nearer than this are one, metres.
+static const double SAME_PLACE = 1e-7;
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
 
@@ -268,19 +271,71 @@ void part_rows_end(PartRows *rows) {
     arena_free(&rows->arena);
 }
 
-static Gatherer **gatherers_new(const GatherScene *scene, int threads, Arena *arena) {
+static Gatherer **gatherers_new(const GatherScene *scene, int threads, bool sky_parts, Arena *arena) {
     Gatherer **out = ARENA_ARRAY(arena, Gatherer *, threads + 1);
     GatherOptions options = gather_default_options();
     options.resolution = RESOLUTION;
     options.reflected = true;
+    options.sky_parts = sky_parts;
     for (int t = 0; t < threads; t++) out[t] = gatherer_new(scene, &options, arena);
     return out;
 }
 
+// A row of the same day, in memory of its own. `words` of doors.
+static GatherRow copy_row(const GatherRow *row, int words, Arena *arena) {
+    GatherRow out = *row;
+    int *element = ARENA_ARRAY(arena, int, row->count + 1);
+    float *share = ARENA_ARRAY(arena, float, row->count + 1);
+    uint64_t *doors = row->doors ? ARENA_ARRAY(arena, uint64_t, words + 1) : NULL;
+    SkyPart *part = ARENA_ARRAY(arena, SkyPart, row->sky_part_count + 1);
+    memcpy(element, row->element, (size_t)row->count * sizeof *element);
+    memcpy(share, row->share, (size_t)row->count * sizeof *share);
+    if (doors) memcpy(doors, row->doors, (size_t)words * sizeof *doors);
+    if (row->sky_part_count > 0) memcpy(part, row->sky_part, (size_t)row->sky_part_count * sizeof *part);
+    out.element = element;
+    out.share = share;
+    out.doors = doors;
+    out.sky_part = part;
+    return out;
+}
+
+static int door_words(const Mesh *mesh) { return (mesh->graph->building->opening_count + 63) / 64; }
+
+// Takes over the rows of parts that are the same on the mesh that showed light before, under the day at hand.
+static void take_rows(PartRows *rows, const PartRows *before) {
+    const ReflectedPlaces *to = rows->places, *from = before->places;
+    Arena scratch = {0};
+    if (!from) return;
+    int elements = rows->scene.mesh->element_count;
+    int *first = ARENA_ARRAY(&scratch, int, elements + 1),
+        *next = ARENA_ARRAY(&scratch, int, from->count + 1);
+    for (int e = 0; e < elements; e++) first[e] = -1;
+    for (int i = from->count - 1; i >= 0; i--) {
+        int in = from->in[from->part[i]];
+        next[i] = first[in];
+        first[in] = before->there[i] ? i : next[i];
+    }
+    for (int i = 0; i < to->count; i++) {
+        Vec3 middle = element_centroid(rows->shown, to->part[i]);
+        for (int k = first[to->in[to->part[i]]]; k >= 0; k = next[k]) {
+            if (vec3_length(vec3_sub(element_centroid(before->shown, from->part[k]), middle)) > SAME_PLACE)
+                continue;
+            rows->row[i] = copy_row(&before->row[k], door_words(rows->shown), &rows->kept[0]);
+            rows->row[i].sky =
+                sky_parts_light(rows->row[i].sky_part, rows->row[i].sky_part_count, &rows->solution.day);
+            rows->leaf[i] = before->leaf[k];
+            rows->there[i] = true;
+            break;
+        }
+    }
+    arena_free(&scratch);
+}
+
 // Room for the rows of so many parts.
-static void part_rows_start(PartRows *rows, const GatherScene *scene, int count) {
+static void part_rows_start(PartRows *rows, const GatherScene *scene, const Mesh *shown, int count) {
     if (rows->row) return;
     rows->count = count;
+    rows->shown = shown;
     rows->row = ARENA_ARRAY(&rows->arena, GatherRow, count + 1);
     rows->there = ARENA_ARRAY(&rows->arena, bool, count + 1);
     rows->leaf = ARENA_ARRAY(&rows->arena, int, count + 1);
@@ -290,6 +345,8 @@ static void part_rows_start(PartRows *rows, const GatherScene *scene, int count)
                                    .day = scene->solution->day};
     rows->scene = *scene;
     rows->scene.solution = &rows->solution;
+    if (rows->before) take_rows(rows, rows->before);
+    rows->before = NULL;
 }
 
 // Copies the rows that are there to memory of their own once as much again was used as at the last time.
@@ -302,13 +359,7 @@ static void close_gaps(PartRows *rows, int words) {
     for (int i = 0; i < rows->count; i++) {
         GatherRow *row = &rows->row[i];
         if (!rows->there[i]) continue;
-        int *element = ARENA_ARRAY(&kept, int, row->count + 1);
-        float *share = ARENA_ARRAY(&kept, float, row->count + 1);
-        uint64_t *doors = row->doors ? ARENA_ARRAY(&kept, uint64_t, words + 1) : NULL;
-        memcpy(element, row->element, (size_t)row->count * sizeof *element);
-        memcpy(share, row->share, (size_t)row->count * sizeof *share);
-        if (doors) memcpy(doors, row->doors, (size_t)words * sizeof *doors);
-        *row = (GatherRow){row->count, element, share, row->sky, row->ground, doors};
+        *row = copy_row(row, words, &kept);
     }
     for (int t = 0; t < rows->thread_count; t++) arena_free(&rows->kept[t]);
     rows->kept[0] = kept;
@@ -329,9 +380,9 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const Refl
     }
     if (makes && kept && !kept->gatherer) {
         kept->solution.radiosity = scene->solution->radiosity;
-        kept->gatherer = gatherers_new(&kept->scene, threads, &kept->arena);
+        kept->gatherer = gatherers_new(&kept->scene, threads, kept->sky_parts, &kept->arena);
     }
-    if (makes) p.gatherer = kept ? kept->gatherer : gatherers_new(scene, threads, &scratch);
+    if (makes) p.gatherer = kept ? kept->gatherer : gatherers_new(scene, threads, false, &scratch);
     bool go_on = true;
     for (; p.first < count && go_on; p.first += PARTS_A_LOOK) {
         go_on = progress_report(progress, "reflected light", (double)p.first / count);
@@ -361,7 +412,7 @@ int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved) {
         dropped++;
     }
     for (int t = 0; rows->gatherer && t < rows->thread_count; t++) gatherer_pose(rows->gatherer[t]);
-    if (rows->count > 0) close_gaps(rows, (shown->graph->building->opening_count + 63) / 64);
+    if (rows->count > 0) close_gaps(rows, door_words(shown));
     return dropped;
 }
 
@@ -512,7 +563,7 @@ bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *
                                                                kept ? &kept->arena : &scratch);
     if (kept) {
         kept->places = places;
-        part_rows_start(kept, scene, places->count);
+        part_rows_start(kept, scene, shown, places->count);
     }
     places->whole = false;
     nodes_pose(&places->own, mesh);

@@ -25,6 +25,10 @@ typedef struct PartRows {
     bool *there;     // [count]
     int *leaf;       // [count] the leaf that the part lies on, -1
     int count, thread_count;
+    bool sky_parts;     // rows know the parts of the sky: the hour may turn
+    const Mesh *shown;  // the mesh that shows the light
+    const struct PartRows *
+        before;  // of another one, with doors as they are now: its rows serve where parts are the same. Or NULL
     struct ReflectedPlaces *places;  // where light is found, which stays from light to light
     // Those who make rows, [thread_count], NULL: nobody has yet; of the first scene, with a solution that has its day alone
     Gatherer **gatherer;

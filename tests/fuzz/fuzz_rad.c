@@ -1,7 +1,7 @@
 // fuzz_rad.c - libFuzzer on the .rad reader: a file is refused with a sentence, or it holds light that can be shot on.
 #include <stdlib.h>
 
-#include "radiosity/show/each_lamp.h"
+#include "radiosity/follow/each_lamp.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/show/shown.h"
 #include "tests/fuzz/store_target.h"

@@ -64,11 +64,18 @@ static DirectSources *bake(Lamps3 *l, double residual, int threads, bool follow)
     cr_assert(bake_mesh(&a, &l->scene, NULL, NULL, &l->arena, &l->doors, &l->mesh, &error), "%s", error.text);
     rad_fit(&l->mesh, &a.rad);
     cr_assert(rad_start_dark(&l->mesh, &l->arena, &l->solution, &error), "%s", error.text);
-    if (daylight_shines(&a.day))
-        cr_assert(rad_shine(&l->mesh, forest, l->doors, &a.rad, &a.day, NULL, &l->solution));
     l->rad = a.rad;
-    l->rad.rows = shoot_rows_new(&l->mesh, forest, l->doors, &l->rad, &l->solution.day, &l->arena);
+    l->day = a.day;
+    bool turns = follow && daylight_shines(&a.day);
+    if (turns) {
+        l->rad.form_factor.sky_parts = true;
+        l->rad.sky = sky_looks_new(&l->mesh, forest, l->doors, &l->rad);
+    }
+    if (daylight_shines(&a.day))
+        cr_assert(rad_shine(&l->mesh, forest, l->doors, &l->rad, &a.day, NULL, &l->solution));
+    l->rad.rows = shoot_rows_new(&l->mesh, forest, l->doors, &l->rad, &l->day, &l->arena);
     DirectSources *sources = each_lamp_sources(&l->mesh, &l->scene.lamps, threads, &l->arena);
+    if (turns) direct_sources_turn(sources, NULL, NULL);
     if (follow) relight_prepare(sources, &l->mesh, &l->arena);
     cr_assert_not(rad_shoot(&l->mesh, forest, l->doors, &l->rad, NULL, &l->solution).stopped);
     cr_assert(direct_show_apart(&l->mesh, forest, l->doors, threads, NULL, &l->arena, &l->solution, sources,
@@ -89,8 +96,14 @@ void lamps3_bake(Lamps3 *l, double residual, int threads) {
 
 void lamps3_follow(Lamps3 *l, double residual, int threads) {
     DirectSources *sources = bake(l, residual, threads, true);
-    l->relight = (Relight){&l->mesh, &l->scene.lamps, &l->scene.forest, l->doors,
-                           &l->rad,  sources,         &l->solution,     NULL};
+    l->relight = (Relight){.mesh = &l->mesh,
+                           .lamps = &l->scene.lamps,
+                           .forest = &l->scene.forest,
+                           .door_open = l->doors,
+                           .options = &l->rad,
+                           .sources = sources,
+                           .all = &l->solution,
+                           .day = &l->day};
 }
 
 void lamps3_free(Lamps3 *l) {
@@ -98,6 +111,7 @@ void lamps3_free(Lamps3 *l) {
         relight_end(&l->relight);
         direct_sources_end(l->relight.sources);
         shoot_rows_end(l->rad.rows);
+        if (l->rad.sky) sky_looks_end(l->rad.sky);
     }
     arena_free(&l->arena);
     free(l);

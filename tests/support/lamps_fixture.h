@@ -3,8 +3,8 @@
 #define TESTS_LAMPS_FIXTURE_H
 
 #include "engine/scene/scene.h"
-#include "radiosity/show/each_lamp.h"
-#include "radiosity/show/relight.h"
+#include "radiosity/follow/each_lamp.h"
+#include "radiosity/follow/relight.h"
 
 // A room with a panel in its ceiling and a glowing box, a second one with a panel behind a door that is half open, a third one of its own
 // with a light.
@@ -16,6 +16,7 @@ typedef struct Lamps3 {
     RadSolution solution;  // with `each`, as their sum
     RadSolution joint;     // as it was before, of all lamps together
     RadOptions rad;
+    Daylight day;     // of the rows
     Relight relight;  // of lamps3_follow
 } Lamps3;
 

@@ -238,7 +238,7 @@ Test(light_thread, lamps_of_stored_light, .timeout = 120) {
     cr_expect(light_thread_switches(thread));
     Rgb lit[4];
     for (int i = 0; i < 4; i++) lit[i] = (Rgb){0.5f, 0.5f, 0.5f};
-    light_thread_ask(thread, lit, 4, NULL, l->scene.building.opening_count);
+    light_thread_ask(thread, lit, 4, NULL, l->scene.building.opening_count, NULL);
     // All light of the bake anew comes first, then the state.
     const LitLight *all = wait_for_light(thread);
     cr_expect(all != first && first->vertex[0] == vertices && first->level == level,
@@ -255,7 +255,7 @@ Test(light_thread, lamps_of_stored_light, .timeout = 120) {
     for (int k = 0; k < 3; k++) {
         float share = k == 0 ? 0 : k == 1 ? 0.2f : 1;
         for (int i = 0; i < 4; i++) lit[i] = (Rgb){share, share, share};
-        light_thread_ask(thread, lit, 4, NULL, l->scene.building.opening_count);
+        light_thread_ask(thread, lit, 4, NULL, l->scene.building.opening_count, NULL);
     }
     for (double now = 0; fabs(now - bright) > 1e-9 * bright;) {
         now = brightness(thread, wait_for_light(thread));
@@ -313,15 +313,15 @@ static void check_first_step(LightThread *thread, float *doors, int door, int op
     int same = 0, count = lit_vertex_count(light_thread_mesh(thread));
     for (int i = 0; i < 4; i++) full[i] = (Rgb){1, 1, 1};
     doors[door] = 1;
-    light_thread_ask(thread, full, 4, doors, openings);
+    light_thread_ask(thread, full, 4, doors, openings, NULL);
     wait_until_followed(thread, NULL);
     doors[door] = baked;
-    light_thread_ask(thread, full, 4, doors, openings);
+    light_thread_ask(thread, full, 4, doors, openings, NULL);
     LitLight before = wait_until_followed(thread, NULL);
     float(*was)[3] = arena_alloc(&arena, (size_t)count + 1, sizeof *was);
     memcpy(was, before.vertex, (size_t)count * sizeof *was);
     doors[door] = 0;
-    light_thread_ask(thread, full, 4, doors, openings);
+    light_thread_ask(thread, full, 4, doors, openings, NULL);
     const LitLight *soon = wait_for_light(thread);
     for (int v = 0; v < count; v++) same += fabsf(was[v][0] - soon->vertex[v][0]) <= 2e-3F * was[v][0];
     light_thread_received(thread);
@@ -352,7 +352,7 @@ Test(light_thread, light_follows_a_door, .timeout = 240) {
     for (int i = 0; i < openings; i++) doors[i] = i == door ? (float)opening[i].open : 1;
     // The second room has the light of the first one alone.
     for (int i = 0; i < 4; i++) lit[i] = i < 2 ? (Rgb){1, 1, 1} : (Rgb){0, 0, 0};
-    light_thread_ask(thread, lit, 4, doors, openings);
+    light_thread_ask(thread, lit, 4, doors, openings, NULL);
     LitLight half = wait_until_followed(thread, NULL);
     cr_expect_eq(half.doors[door], (float)opening[door].open);
     const LitMesh *mesh = light_thread_mesh(thread);
@@ -362,7 +362,7 @@ Test(light_thread, light_follows_a_door, .timeout = 240) {
     double sum[3] = {brightness(thread, &half), 0, 0};
     for (int k = 1; k < 3; k++) {
         doors[door] = k == 1 ? 1 : 0;
-        light_thread_ask(thread, lit, 4, doors, openings);
+        light_thread_ask(thread, lit, 4, doors, openings, NULL);
         // The first time lamps have changed as well: then there is no first step.
         const LitLight *first = NULL;
         if (k == 2) {
@@ -376,7 +376,7 @@ Test(light_thread, light_follows_a_door, .timeout = 240) {
     }
     cr_expect(sum[1] > sum[0] && sum[0] > sum[2], "wide open %g, half %g, closed %g", sum[1], sum[0], sum[2]);
     doors[door] = (float)opening[door].open;
-    light_thread_ask(thread, lit, 4, doors, openings);
+    light_thread_ask(thread, lit, 4, doors, openings, NULL);
     LitLight back = wait_until_followed(thread, NULL);
     cr_expect_arr_eq(back.vertex, as_baked, bytes);
     check_first_step(thread, doors, door, openings);

@@ -1,5 +1,5 @@
 // each_lamp.c - one source after the other is shot along the rows that are there, and shown on the nodes that are there.
-#include "radiosity/show/each_lamp.h"
+#include "radiosity/follow/each_lamp.h"
 
 #include <math.h>
 #include <stdio.h>

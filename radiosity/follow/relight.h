@@ -19,10 +19,12 @@ typedef struct Relight {
     const StabForest *forest;
     // [opening_count] the array that mesh, rows and sources were made with; relight_state changes it
     float *door_open;
-    const RadOptions *options;
+    const RadOptions *options;  // with `rows`; and with `sky`, or all looks at the sky are anew in each state
     DirectSources *sources;
-    const RadSolution *all;    // that light, whose choices stay
-    struct RelightLast *last;  // NULL at first: the light that was found last
+    const RadSolution *all;            // that light, whose choices stay
+    Daylight *day;                     // the rows', which relight_turn changes
+    struct RelightLamps *lamps_alone;  // NULL at first: what relight_turn keeps of them
+    struct RelightLast *last;          // NULL at first: the light that was found last
 } Relight;
 // Frees what it keeps from light to light.
 void relight_end(Relight *relight);
@@ -45,5 +47,13 @@ bool relight_state(Relight *relight, const float *door_open, const Rgb *lit, con
 // same nodes: one that relight_state has found, or `all`. The result shares it.
 void relight_straight(Relight *relight, const float *door_open, const Rgb *lit, const RadSolution *before,
                       Arena *arena, RadSolution *out, RelightReport *report);
+
+// Turns the hour: the light of another day that shines, all lamps fully lit, with the doors `door_open`; `day` shone, too, and rows and
+// looks at the sky know the parts of the sky (FormFactorOptions.sky_parts, RadOptions.sky). The light is shot along the rows that are
+// there, and shown on another mesh, as fine as this day asks for (direct_sources_shown). It takes the place of `all`: `out` must outlive
+// what follows, as must the arena, in which the new `sources` live; the ones before are ended. False where progress asked to stop: all is
+// as it was then, but for the doors.
+bool relight_turn(Relight *relight, const Daylight *day, const float *door_open, const Progress *progress,
+                  Arena *arena, RadSolution *out);
 
 #endif

@@ -1,10 +1,11 @@
 // relight.c - doors move, rows and direct light that pass them go, and what was shot along these rows is shot again.
-#include "radiosity/show/relight.h"
+#include "radiosity/follow/relight.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "radiosity/follow/each_lamp.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
 
@@ -59,7 +60,7 @@ static RelightLast *last_of(Relight *r) {
     return r->last = last;
 }
 
-void relight_end(Relight *r) {
+static void forget_last(Relight *r) {
     if (!r->last) return;
     Arena arena = r->last->arena;
     arena_free(&arena);
@@ -116,6 +117,7 @@ static void move_doors(Relight *r, const float *door_open, RelightReport *report
         last->there = last->there && rad_take_back(&lit, r->options, &moved, &last->light, &last->follow);
         report->rows = shoot_rows_move(r->options->rows, &moved, last->follow.dropped);
         report->points = direct_sources_move(r->sources, &moved, door_open);
+        if (r->options->sky) sky_looks_move(r->options->sky, &moved);
     }
     arena_free(&scratch);
 }
@@ -173,7 +175,7 @@ static bool shoot_state(Relight *r, const Mesh *mesh, const Rgb *lit, const Prog
 static double (*shares_of(const Relight *r, const Rgb *lit, Arena *arena))[3] {
     double(*share)[3] = arena_alloc(arena, (size_t)r->lamps->count + 1, sizeof *share);
     for (int i = 0; i < r->lamps->count; i++) rgb_doubles(lit[i], share[i]);
-    for (int c = 0; c < 3; c++) share[r->lamps->count][c] = daylight_shines(&r->all->day);
+    for (int c = 0; c < 3; c++) share[r->lamps->count][c] = daylight_shines(r->day);
     return share;
 }
 
@@ -197,9 +199,8 @@ bool relight_state(Relight *r, const float *door_open, const Rgb *lit, const Pro
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
     *mesh = lamps_mesh(r->lamps, r->mesh, lit, arena);
     if (!rad_start_dark(mesh, arena, out, &error)) return false;
-    const Daylight *day = &r->all->day;
-    bool shines = daylight_shines(day);
-    if (shines && !rad_shine(mesh, r->forest, r->door_open, r->options, day, progress, out)) return false;
+    bool shines = daylight_shines(r->day);
+    if (shines && !rad_shine(mesh, r->forest, r->door_open, r->options, r->day, progress, out)) return false;
     const Marks *changed;
     if (!shoot_state(r, mesh, lit, progress, out, &changed)) return false;
     out->lit = lit;
@@ -208,5 +209,112 @@ bool relight_state(Relight *r, const float *door_open, const Rgb *lit, const Pro
     bool good = direct_show_next(r->sources, shares_of(r, lit, arena), mesh, changed, progress, arena, out);
     r->last->gathered = good;
     r->last->shown = good ? (const double(*)[3])out->rest : NULL;
+    return good;
+}
+
+// ---- hours
+
+// Light straight from lamps, which does not change with the hour.
+typedef struct RelightLamps {
+    Arena arena;
+    DirectSources *sources;
+    float *door_open;  // [opening_count] as they stand there
+    double level;      // of the day in whose light the lamps are seen, W/m^2
+} RelightLamps;
+
+// The mesh of the lamps is as fine as it is seen by day: at dusk, when the day has so many times less light or more, it is made anew.
+static const double MOST_BRIGHTER = 4;
+
+static double level_of(const Daylight *day) {
+    double light[3];
+    daylight_horizontal(day, light);
+    return rgb_sum(light);
+}
+
+static void forget_lamps(Relight *r) {
+    if (!r->lamps_alone) return;
+    direct_sources_end(r->lamps_alone->sources);
+    Arena arena = r->lamps_alone->arena;
+    arena_free(&arena);
+    r->lamps_alone = NULL;
+}
+
+void relight_end(Relight *r) {
+    forget_last(r);
+    forget_lamps(r);
+}
+
+// They are known already: with the doors where they are now.
+static void move_lamps(const Relight *r) {
+    Arena scratch = {0};
+    RelightLamps *alone = r->lamps_alone;
+    mesh_pose(r->mesh, alone->door_open);
+    MovedDoors moved = mesh_move(r->mesh, alone->door_open, r->door_open, &scratch);
+    memcpy(alone->door_open, r->door_open,
+           (size_t)r->mesh->graph->building->opening_count * sizeof *alone->door_open);
+    if (moved.count > 0) direct_sources_move(alone->sources, &moved, r->door_open);
+    arena_free(&scratch);
+}
+
+// In the light of a solution of r->day. False where progress asked to stop.
+static bool find_lamps(Relight *r, const RadSolution *solution, const Progress *progress) {
+    size_t openings = (size_t)r->mesh->graph->building->opening_count;
+    double level = level_of(r->day);
+    if (r->lamps_alone &&
+        fmax(level, r->lamps_alone->level) <= MOST_BRIGHTER * fmin(level, r->lamps_alone->level)) {
+        move_lamps(r);
+        return true;
+    }
+    forget_lamps(r);
+    Arena arena = {0};
+    RelightLamps *alone = ARENA_ARRAY(&arena, RelightLamps, 1);
+    alone->door_open = ARENA_ARRAY(&arena, float, openings + 1);
+    memcpy(alone->door_open, r->door_open, openings * sizeof *alone->door_open);
+    alone->sources = each_lamp_sources(r->mesh, r->lamps, r->options->threads, &arena);
+    alone->level = level;
+    relight_prepare(alone->sources, r->mesh, &arena);
+    alone->arena = arena;
+    r->lamps_alone = alone;
+    bool good = direct_show_lamps(r->mesh, r->forest, alone->door_open, r->options->threads, progress,
+                                  solution, alone->sources);
+    if (!good) forget_lamps(r);
+    return good;
+}
+
+// The light of r->day, all lamps lit, on a mesh of its own.
+static bool find_turned(Relight *r, DirectSources *sources, const Progress *progress, Arena *arena,
+                        RadSolution *out) {
+    Error error;
+    if (!rad_start_dark(r->mesh, arena, out, &error) ||
+        !rad_shine(r->mesh, r->forest, r->door_open, r->options, r->day, progress, out) ||
+        rad_shoot(r->mesh, r->forest, r->door_open, r->options, progress, out).stopped ||
+        !find_lamps(r, out, progress))
+        return false;
+    direct_sources_turn(sources, r->lamps_alone->sources, r->sources);
+    return direct_show_apart(r->mesh, r->forest, r->door_open, r->options->threads, progress, arena, out,
+                             sources, NULL, NULL);
+}
+
+bool relight_turn(Relight *r, const Daylight *day, const float *door_open, const Progress *progress,
+                  Arena *arena, RadSolution *out) {
+    RelightReport work = {0};
+    const Daylight before = *r->day;
+    CORE_ASSERT(daylight_shines(&before) && daylight_shines(day) && r->options->sky);
+    move_doors(r, door_open, &work);
+    *r->day = *day;
+    shoot_rows_turn(r->options->rows);
+    DirectSources *sources = each_lamp_sources(r->mesh, r->lamps, r->options->threads, arena);
+    relight_prepare(sources, r->mesh, arena);
+    bool good = find_turned(r, sources, progress, arena, out);
+    if (good) {
+        forget_last(r);
+        direct_sources_end(r->sources);
+        r->sources = sources;
+        r->all = out;
+    } else {
+        direct_sources_end(sources);
+        *r->day = before;
+        shoot_rows_turn(r->options->rows);
+    }
     return good;
 }

@@ -21,6 +21,7 @@ typedef struct Arguments {
     SceneOptions load;
     const char *file;
     int size[2];
+    double until[2];  // hours, as DayOptions.time
     bool json, sized, off_screen, toured, bake, no_bake, no_vsync;
 } Arguments;
 
@@ -141,6 +142,15 @@ static const Option ROWS[] = {
      .low = 1,
      .high = 10000000,
      .help = "of the tour `auto`: at most so many rooms, those nearest to the start, @ (default: all)"},
+    {.name = "until",
+     .value = "TIME",
+     .type = OPTION_TIME,
+     .at = AT(until),
+     .low = -14,
+     .high = 14,
+     .help =
+         "while the frames go by, the hour passes from that of the day on to @, in steps of ten minutes; a "
+         "viewpoint stays, a frame for each step"},
     {.name = "video",
      .value = "OUT.mp4",
      .type = OPTION_TEXT,
@@ -233,6 +243,8 @@ static int check(const Arguments *a) {
         return app_misuse("walk", "walk: --bake is for --offscreen, --no-bake for the window");
     if (a->walk.path.rooms > 0 && (a->walk.replay || !a->off_screen || strcmp(a->walk.tour, "auto") != 0))
         return app_misuse("walk", "walk: --rooms is for the tour `auto`, off-screen");
+    if (!isnan(a->until[0]) && (!a->off_screen || a->walk.verify || a->load.day.night))
+        return app_misuse("walk", "walk: --until is for --offscreen, by day and without --verify");
     if (day_asks(&a->load.day) && a->walk.verify)
         return app_misuse("walk", "walk: %s is not for --verify, which shows no light",
                           day_asks_sky(&a->load.day) ? "--sky" : "daylight");
@@ -349,11 +361,35 @@ static bool check_folder(const Arguments *a, const Building *b, Arena *arena, Er
     return good;
 }
 
+// The days under which the frames go by, in the arena, until the hour that was asked for.
+static bool find_hours(Arguments *a, const LoadedScene *scene, Arena *arena, Error *error) {
+    static const double STEP = 1 / 6.0;
+    const Building *b = &scene->building;
+    if (isnan(a->until[0])) return true;
+    if (!daylight_shines(&scene->day) || daylight_is_uniform(&scene->day))
+        return error_set(error, "%s: --until is for daylight that has hours (--day; not --sky)", a->file);
+    double from = day_hour(&a->load.day, b, &scene->day), passes = fmod(a->until[0] - from + 24, 24);
+    int count = (int)ceil(passes / STEP - 1e-6) + 1;
+    Daylight *hours = ARENA_ARRAY(arena, Daylight, count);
+    for (int i = 0; i < count; i++) {
+        double hour = from + fmin(i * STEP, passes);
+        DayOptions at = day_at_hour(&a->load.day, b, hour);
+        if (!at.night && day_over(&at, b, &hours[i], error)) continue;
+        int minutes = (int)lrint(60 * hour) % (24 * 60);
+        return error_set(error, "%s: --until: it is night at %02d:%02d (the hours of a film are by day)",
+                         a->file, minutes / 60, minutes % 60);
+    }
+    a->walk.hours = hours;
+    a->walk.hour_count = count;
+    return true;
+}
+
 static bool draw_lit(Arguments *a, const WalkScene *scene, Arena *arena, WalkTotals *totals, Error *error) {
-    Arena room = {0};
+    Arena room = {0}, hours[2] = {{0}};
     WalkLight baked = {0};
-    a->walk.light = (FilmLightSource){.light = scene->light, .lit = scene->scene->lit};
-    bool good = !scene->baker.bake || bake_first(a, &scene->baker, &room, &baked, error);
+    a->walk.light = (FilmLightSource){.light = scene->light, .lit = scene->scene->lit, .room = hours};
+    bool good = find_hours(a, scene->scene, arena, error) &&
+                (!scene->baker.bake || bake_first(a, &scene->baker, &room, &baked, error));
     const WalkLight *light = a->walk.light.light;
     if (a->walk.look == WALK_LOOKS) a->walk.look = light ? WALK_BAKED : WALK_FINE;
     if (good && a->walk.look == WALK_BAKED && !light)
@@ -363,6 +399,7 @@ static bool draw_lit(Arguments *a, const WalkScene *scene, Arena *arena, WalkTot
     good = good && walk_offscreen(scene->graph, scene->forest, &a->walk, &progress, arena, totals, error);
     app_progress_end();
     light_end(&baked);
+    for (int i = 0; i < 2; i++) arena_free(&hours[i]);
     arena_free(&room);
     return good;
 }
@@ -437,6 +474,7 @@ int cmd_walk(int argc, char **argv) {
                    .load = app_scene_options()};
     bool help = false;
     a.load.fill_lamps = FILL_LAMPS_ON;
+    a.until[0] = a.until[1] = NAN;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;
     int code = parse_walk(argc, argv, &a, &help);

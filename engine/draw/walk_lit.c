@@ -10,6 +10,7 @@
 enum { LIGHTS = 2 };
 
 struct WalkLit {
+    Arena arena;
     LitMesh *mesh;
     float *share;      // [leaf_count] how far leaves are open; NAN before the first pose and in new light
     float (*leaf)[3];  // the light of a leaf or a plug under way, [vertices of the largest]
@@ -128,7 +129,8 @@ static void find_plugs(WalkLit *lit, Arena *arena) {
     lit->first_plug = fill;
 }
 
-WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena) {
+WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures) {
+    Arena own = {0}, *arena = &own;
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
     const CellGraph *graph = mesh->mesh->graph;
     size_t vertices = (size_t)lit_vertex_count(mesh);
@@ -154,6 +156,7 @@ WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena)
     place_pictures(lit, arena);
     glGenBuffers(1, &lit->list_buffer);
     upload_materials(lit);
+    lit->arena = own;
     return lit;
 }
 
@@ -164,6 +167,8 @@ void walk_lit_free(WalkLit *lit) {
     glDeleteVertexArrays(1, &lit->array);
     glDeleteBuffers(6, buffers);
     glDeleteTextures(1, &lit->material_texture);
+    Arena own = lit->arena;
+    arena_free(&own);
 }
 
 const LitMesh *walk_lit_mesh(const WalkLit *lit) { return lit->mesh; }

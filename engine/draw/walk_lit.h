@@ -10,7 +10,7 @@ typedef struct WalkLit WalkLit;
 
 // Makes the buffers; vertices and light are uploaded later. `mesh` must live as long as the result; walk_lit_pose moves its leaves.
 // `textures` too must live as long.
-WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena);
+WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures);
 void walk_lit_free(WalkLit *lit);  // NULL is allowed
 const LitMesh *walk_lit_mesh(const WalkLit *lit);
 

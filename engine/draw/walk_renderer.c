@@ -130,16 +130,16 @@ bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, 
     LitLight *state = ARENA_ARRAY(arena, LitLight, 1);
     *state = lit_light_new(mesh, arena);
     lit_light_fill(mesh, light->solution, light->door_open, state);
-    walk_renderer_expect(w, mesh, arena);
+    walk_renderer_expect(w, mesh);
     walk_renderer_take(w, state, SIZE_MAX);
     return gl_check("uploading the light of a building", error);
 }
 
-void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
+void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh) {
     if (w->lit && walk_lit_mesh(w->lit) == mesh) return;
     if (w->next && walk_lit_mesh(w->next) == mesh) return;
     CORE_ASSERT(!w->next);
-    WalkLit *lit = walk_lit_new(mesh, w->textures, arena);
+    WalkLit *lit = walk_lit_new(mesh, w->textures);
     walk_lit_pose(lit, NULL, NULL);
     *(w->lit ? &w->next : &w->lit) = lit;
 }

@@ -31,7 +31,7 @@ bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *
 // Light can also arrive while the building is shown: walk_renderer_expect takes the mesh of the light, then walk_renderer_take uploads
 // each state in slices, about `bytes` bytes a call. True once a state is there whole: the picture then fades to it, and the caller keeps
 // it until the next state is there. A state on another mesh takes the place of the one before at once, without a fade.
-void walk_renderer_expect(WalkRenderer *renderer, LitMesh *mesh, Arena *arena);
+void walk_renderer_expect(WalkRenderer *renderer, LitMesh *mesh);
 bool walk_renderer_take(WalkRenderer *renderer, const LitLight *light, size_t bytes);
 void walk_renderer_fade(WalkRenderer *renderer, double seconds);  // advances the fade
 bool walk_renderer_fading(const WalkRenderer *renderer);

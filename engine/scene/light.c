@@ -412,15 +412,15 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     if (good && !follower) b.solution->lamp_count = scene->lamps.count;
     good = good && bake_all(&b, out, error);
     if (good) store(&b, error);
+    bool kept = good && follows && b.solution->gathered && b.solution->rest;
+    if (kept) out->follower = follower;
     if (good && hooks->whole) hooks->whole(hooks->context, out);
     if (good && hooks->each && scene->lamps.count > 0) bake_each(&b, out, error);
-    WalkLight kept = {.follower = follower};
-    if (good && follows && b.solution->gathered && b.solution->rest) {
-        out->follower = follower;
+    out->follower = follower;
+    if (kept)
         light_follow_sum(out, follower->full);
-    } else {
-        light_end(&kept);
-    }
+    else
+        light_end(out);
     return good;
 }
 

@@ -37,8 +37,8 @@ typedef struct LightHooks {
     // Keep what light needs to follow the doors (WalkLight.follower, until light_end); all lamps are fully lit then, whatever the scene
     // asks for.
     bool follow;
-    // The same, and find the light of each lamp, too (WalkLight.states). Before that begins, `whole` is called with all light together;
-    // NULL: nobody is.
+    // The same, and find the light of each lamp, too (WalkLight.states). Before that begins, `whole` is called with all light together,
+    // which is not to be asked to follow before the bake has ended; NULL: nobody is.
     bool each;
     void (*whole)(void *context, const WalkLight *light);
 } LightHooks;

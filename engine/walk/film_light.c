@@ -18,7 +18,9 @@ struct FilmLight {
     Arena *arena;
     WalkLight baked;  // anew, by `source`, in `room`
     Arena room;
-    LitStates *states;  // NULL: the light does not follow
+    const WalkLight *light;  // that is shown
+    int hours;               // by which the hour was turned
+    LitStates *states;       // NULL: the light does not follow
     LitLight state[2];
     int at;        // the state that is shown
     float *shown;  // [opening_count] the doors of that state
@@ -27,20 +29,21 @@ struct FilmLight {
     bool stayed;
 };
 
-// Light on a mesh takes the place of that on the mesh before.
-static bool show_light(FilmLight *f, const WalkLight *light, Error *error) {
-    LitMesh *mesh = lit_mesh_new(light->mesh, f->arena);
+// Light on a mesh takes the place of that on the mesh before. Lives in the arena.
+static bool show_light(FilmLight *f, const WalkLight *light, Arena *arena, Error *error) {
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena);
+    f->light = light;
     f->at = 0;
-    f->state[0] = lit_light_new(mesh, f->arena);
+    f->state[0] = lit_light_new(mesh, arena);
     lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
-    walk_renderer_expect(f->renderer, mesh, f->arena);
+    walk_renderer_expect(f->renderer, mesh);
     walk_renderer_take(f->renderer, &f->state[0], SIZE_MAX);
     walk_renderer_fade(f->renderer, INFINITY);
     memcpy(f->shown, light->door_open, (size_t)f->building->opening_count * sizeof *f->shown);
     if (light->follower) {
         const Lamps *lamps = light_follower_lamps(light);
-        f->state[1] = lit_light_new(mesh, f->arena);
-        f->states = lit_states_new(mesh, light, f->arena);
+        f->state[1] = lit_light_new(mesh, arena);
+        f->states = lit_states_new(mesh, light, arena);
         for (int i = 0; i < lamps->count; i++) {
             Rgb lit = f->source.lit[i];
             f->stale = f->stale || lit.r != 1 || lit.g != 1 || lit.b != 1;
@@ -57,7 +60,7 @@ FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer,
                      .arena = arena};
     f->shown = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
     f->last = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
-    return show_light(f, source->light, error) ? f : NULL;
+    return show_light(f, source->light, arena, error) ? f : NULL;
 }
 
 void film_light_end(FilmLight *f) {
@@ -115,16 +118,33 @@ static bool bake_anew(FilmLight *f, const Progress *progress, Error *error) {
     const LightBaker *baker = f->source.anew;
     f->source.anew = NULL;
     if (!bake_following(baker, &watch, &f->room, &f->baked, error)) return watch.short_of_memory;
-    return show_light(f, &f->baked, error);
+    return show_light(f, &f->baked, f->arena, error);
 }
 
-bool film_light_follow(FilmLight *f, const float *door_open, const Progress *progress, Error *error) {
-    if (!is_due(f, door_open)) return true;
+// The hour turns. The renderer holds the light before, which lies in the other room, or was baked.
+static bool turn(FilmLight *f, const Daylight *day, const float *door_open, const Progress *progress,
+                 Error *error) {
+    if (!light_turns(f->light))
+        return error_set(
+            error, "the hour stays as it is: the light that is stored does not follow it (--day bakes anew)");
+    Arena *room = &f->source.room[f->hours++ % 2];
+    arena_free(room);
+    WalkLight *next = ARENA_ARRAY(room, WalkLight, 1);
+    if (!light_turn(f->light, day, door_open, progress, room, next)) return error_set(error, "stopped");
+    return show_light(f, next, room, error);
+}
+
+bool film_light_follow(FilmLight *f, const float *door_open, const Daylight *day, const Progress *progress,
+                       Error *error) {
+    bool turns = day && memcmp(day, &f->light->solution->day, sizeof *day) != 0;
+    if (!turns && !is_due(f, door_open)) return true;
     if (!f->states && f->source.anew && !bake_anew(f, progress, error)) return false;
+    if (turns && !turn(f, day, door_open, progress, error)) return false;
     if (!f->states) {
         f->stayed = true;
         return true;
     }
+    if (turns && !is_due(f, door_open)) return true;
     f->at = 1 - f->at;
     if (!lit_states_fill(f->states, f->source.lit, door_open, progress, &f->state[f->at]))
         return error_set(error, "stopped");

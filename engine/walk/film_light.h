@@ -1,4 +1,4 @@
-// film_light.h - the light of frames that are drawn without a window: it follows the doors from frame to frame.
+// film_light.h - the light of frames that are drawn without a window: it follows the doors, and the hour, from frame to frame.
 #ifndef FILM_LIGHT_H
 #define FILM_LIGHT_H
 
@@ -11,6 +11,7 @@ typedef struct FilmLightSource {
     // Bakes light that follows the doors, where `light` does not and the doors of a frame stand elsewhere; NULL: then it stays as it is.
     const LightBaker *anew;
     const Rgb *lit;  // [count of the lamps] the state that is shown
+    Arena *room;     // [2] of light of other hours, which must outlive `light`
 } FilmLightSource;
 
 // Bakes light that follows the doors (light_end), or, where there is not enough memory for that, light that does not. It lives in `room`,
@@ -26,8 +27,10 @@ FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer,
 void film_light_end(FilmLight *light);  // NULL is allowed
 
 // Shows the light with the doors `door_open` [opening_count]. While a door moves its light follows in steps of a tenth of its way; a door
-// that has not moved since the frame before has its own. Fails where progress asks to stop, or the light cannot be baked.
-bool film_light_follow(FilmLight *light, const float *door_open, const Progress *progress, Error *error);
+// that has not moved since the frame before has its own. `day`: the light is that of this day, which shines; NULL: of the day that it has.
+// Fails where progress asks to stop, the light cannot be baked, or a day is asked for of light that was found by night or does not follow.
+bool film_light_follow(FilmLight *light, const float *door_open, const Daylight *day,
+                       const Progress *progress, Error *error);
 // Have doors stood elsewhere than their light has them, and nobody could find theirs?
 bool film_light_stayed(const FilmLight *light);
 

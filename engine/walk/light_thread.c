@@ -131,6 +131,7 @@ static void show_whole(void *context, const WalkLight *light) {
     lit_light_fill(mesh, light->solution, light->door_open, &t->state[t->last]);
     hand_over(t, t->last, mesh);
     atomic_store(&t->lamps, LAMPS_SOUGHT);
+    atomic_store(&t->turns, light_turns(light));
     atomic_store(&t->end, LIGHT_READY);
 }
 

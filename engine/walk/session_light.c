@@ -64,7 +64,7 @@ void shown_receive_light(Shown *shown, size_t bytes) {
     WalkRenderer *renderer = shown->renderer;
     const LitLight *light = walk_renderer_fading(renderer) ? NULL : light_thread_light(shown->baking);
     LitMesh *mesh = light_thread_mesh(shown->baking);
-    if (mesh && (light || !walk_renderer_mesh(renderer))) walk_renderer_expect(renderer, mesh, &shown->arena);
+    if (mesh && (light || !walk_renderer_mesh(renderer))) walk_renderer_expect(renderer, mesh);
     if (light && walk_renderer_take(renderer, light, bytes)) light_thread_received(shown->baking);
 }
 

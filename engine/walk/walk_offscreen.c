@@ -211,6 +211,11 @@ static bool write_frame(Walk *w, int index, Error *error) {
     return good;
 }
 
+// The day of a frame, NULL: that of the light.
+static const Daylight *hour_of(const WalkOptions *o, int frame, int frames) {
+    return o->hour_count > 0 ? &o->hours[(long long)frame * o->hour_count / frames] : NULL;
+}
+
 static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Error *error) {
     const WalkOptions *o = w->options;
     text_append(
@@ -225,7 +230,8 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
         if (w->replay) recording_doors(w->replay, i, w->door_open);
         if (path->is_film && o->doors == WALK_DOORS) tour_doors(path, i, w->rate, w->door_open);
         Frame frame;
-        if (w->light && is_written(w, i) && !film_light_follow(w->light, w->door_open, progress, error))
+        if (w->light && is_written(w, i) &&
+            !film_light_follow(w->light, w->door_open, hour_of(o, i, path->frame_count), progress, error))
             return false;
         bool good = w->verify ? verify_frame(w, &camera, w->cell, w->door_open, &frame, error)
                               : draw_frame(w, &camera, &frame, error);
@@ -317,6 +323,15 @@ static void close_drawing(Walk *w) {
     arena_free(&w->rays);
 }
 
+// One frame stays while the hour passes, a frame an hour's step.
+static void hold(TourPath *path, int count, Arena *arena) {
+    if (count < 2) return;
+    TourFrame *frames = ARENA_ARRAY(arena, TourFrame, count);
+    for (int i = 0; i < count; i++) frames[i] = path->frames[0];
+    path->frames = frames;
+    path->frame_count = count;
+}
+
 bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const WalkOptions *options,
                     const Progress *progress, Arena *arena, WalkTotals *out, Error *error) {
     CORE_ASSERT(options->every >= 1 && options->width >= 1 && options->height >= 1);
@@ -331,6 +346,7 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
                         : !tour_make(graph, options->tour, &tour, arena, &path, error)) {
         return false;
     }
+    if (path.frame_count == 1) hold(&path, options->hour_count, arena);
     out->reachable_cells = path.reachable_count;
     out->visited_cells = path.visited_count;
     out->rooms_enterable = path.rooms_enterable;

@@ -25,6 +25,9 @@ typedef struct WalkOptions {
     Culling culling;
     WalkLook look;
     FilmLightSource light;  // for WALK_BAKED; `light` NULL: there is none
+    const Daylight *
+        hours;  // [hour_count] under which the frames go by, each as many of them; 0: under the day of the light
+    int hour_count;
     FalseColour false_colour;
     TourOptions path;
 } WalkOptions;

@@ -14,6 +14,8 @@ static const double LEAST = 4e-6;
 // Light of a lamp that is not shot, as a share of the residual of all light and of the lamp's: rooms that the lamp hardly reaches have
 // only what is shot last, and are looked at when all other lamps are off.
 static const double OF_RESIDUAL = 1e-3, ENOUGH = 1e-6, AT_MOST = 0.1;
+// That of the day: all rooms that it reaches have more than a lamp's.
+static const double OF_DAY = 0.1;
 
 DirectSources *each_lamp_sources(const Mesh *mesh, const Lamps *lamps, int threads, Arena *arena) {
     int *source = ARENA_ARRAY(arena, int, mesh->face_count + 1);
@@ -63,9 +65,12 @@ static bool light_source(Finder *f, int lamp, const Progress *progress, Arena *a
     Error error;
     *mesh = mesh_of_source(f, lamp, arena);
     if (!rad_start_dark(mesh, arena, out, &error)) return false;
-    if (lamp < 0 && !rad_shine(mesh, each->forest, each->door_open, &f->options, &f->all->day, progress, out))
+    // What is outdoors hardly counts in what is left of the day: it is shot as all light is.
+    RadOptions options = f->options;
+    if (lamp < 0) options.residual = fmax(options.residual, OF_DAY * each->options->residual);
+    if (lamp < 0 && !rad_shine(mesh, each->forest, each->door_open, &options, &f->all->day, progress, out))
         return false;
-    if (rad_shoot(mesh, each->forest, each->door_open, &f->options, progress, out).stopped) return false;
+    if (rad_shoot(mesh, each->forest, each->door_open, &options, progress, out).stopped) return false;
     take_noise(f->all, out);
     double(*share)[3] = arena_alloc(arena, (size_t)each->lamps->count + 1, sizeof *share);
     for (int c = 0; c < 3; c++) share[lamp < 0 ? each->lamps->count : lamp][c] = 1;

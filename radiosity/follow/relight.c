@@ -242,6 +242,7 @@ static void forget_lamps(Relight *r) {
 void relight_end(Relight *r) {
     forget_last(r);
     forget_lamps(r);
+    arena_free(&r->before);
 }
 
 // They are known already: with the doors where they are now.
@@ -308,7 +309,8 @@ bool relight_turn(Relight *r, const Daylight *day, const float *door_open, const
     bool good = find_turned(r, sources, progress, arena, out);
     if (good) {
         forget_last(r);
-        direct_sources_end(r->sources);
+        arena_free(&r->before);
+        r->before = direct_sources_leave(r->sources);
         r->sources = sources;
         r->all = out;
     } else {

@@ -24,6 +24,7 @@ typedef struct Relight {
     const RadSolution *all;            // that light, whose choices stay
     Daylight *day;                     // the rows', which relight_turn changes
     struct RelightLamps *lamps_alone;  // NULL at first: what relight_turn keeps of them
+    Arena before;                      // of the mesh that showed the light before the hour turned
     struct RelightLast *last;          // NULL at first: the light that was found last
 } Relight;
 // Frees what it keeps from light to light.
@@ -51,8 +52,8 @@ void relight_straight(Relight *relight, const float *door_open, const Rgb *lit, 
 // Turns the hour: the light of another day that shines, all lamps fully lit, with the doors `door_open`; `day` shone, too, and rows and
 // looks at the sky know the parts of the sky (FormFactorOptions.sky_parts, RadOptions.sky). The light is shot along the rows that are
 // there, and shown on another mesh, as fine as this day asks for (direct_sources_shown). It takes the place of `all`: `out` must outlive
-// what follows, as must the arena, in which the new `sources` live; the ones before are ended. False where progress asked to stop: all is
-// as it was then, but for the doors.
+// what follows, as must the arena, in which the new `sources` live; the ones before are ended, but the mesh that showed their light stays
+// until the next turn. False where progress asked to stop: all is as it was then, but for the doors.
 bool relight_turn(Relight *relight, const Daylight *day, const float *door_open, const Progress *progress,
                   Arena *arena, RadSolution *out);
 

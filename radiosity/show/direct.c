@@ -163,10 +163,17 @@ DirectSources *direct_sources_new(const int *source_of, int day, int threads, Ar
     return out;
 }
 
-void direct_sources_end(DirectSources *sources) {
+Arena direct_sources_leave(DirectSources *sources) {
     for (int t = 0; t < sources->threads; t++) arena_free(&sources->kept[t]);
     part_rows_end(&sources->parts);
-    arena_free(&sources->arena);
+    Arena mesh = sources->arena;
+    sources->arena = (Arena){0};
+    return mesh;
+}
+
+void direct_sources_end(DirectSources *sources) {
+    Arena mesh = direct_sources_leave(sources);
+    arena_free(&mesh);
 }
 
 void direct_sources_doors(DirectSources *sources, Mesh *mesh, const float *const *state, int count) {

@@ -21,6 +21,8 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 typedef struct DirectSources DirectSources;
 DirectSources *direct_sources_new(const int *source_of, int day, int threads, Arena *arena);
 void direct_sources_end(DirectSources *sources);
+// The same, but for the mesh that shows the light and its nodes, which live on in the arena returned.
+Arena direct_sources_leave(DirectSources *sources);
 // Doors will move: what shows the light is to be as fine as light in each of these states of the doors asks for, `state` [count], each
 // [opening_count]. Before direct_show_apart, which moves the doors of `mesh` there and back.
 void direct_sources_doors(DirectSources *sources, Mesh *mesh, const float *const *state, int count);

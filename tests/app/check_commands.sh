@@ -418,6 +418,17 @@ expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -
 rm -rf "$work/cache"
 expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off --night -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--fill'
 expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off -o "$work/day.png"
+# While frames go by the hour may pass, by day; a viewpoint stays, a frame for each ten minutes. Stored light is baked anew for it.
+passes="walk $work/unlit.plan --tour window --size 64x36 --doors drawn --time 11:00"
+expect 0 "$program" $passes --offscreen "$work/hour"
+expect 0 "$program" $passes --until 11:25 --offscreen "$work/hours" && says out '^4 frames'
+cmp -s "$work/hours/frame-00000.png" "$work/hours/frame-00003.png" && fail 'the hour does not pass'
+same "$work/hour/frame-00000.png" "$work/hours/frame-00000.png" 'a film does not begin at its hour'
+expect 1 "$program" $passes --until 23:00 --offscreen "$work/hours" && sentence && says err 'until: it is night at'
+expect 1 "$program" ${passes/--time 11:00/--sky 5} --until 12:00 --offscreen "$work/hours" && sentence && says err 'until is for daylight that has hours'
+expect 2 "$program" walk $two --until 12:00 && says err 'until is for --offscreen, by day'
+expect 2 "$program" walk $two --night --until 12:00 --offscreen "$work/hours" && says err 'until is for --offscreen, by day'
+rm -rf "$work/cache"
 # A tour can be cut to some rooms, where there are rooms and an automatic tour.
 expect 0 "$program" walk $two --offscreen "$work/cut" --size 32x18 --every 1000 --rooms 1 --json && says out '"rooms_entered": 1'
 expect 2 "$program" walk $two --rooms 1 && says err '\-\-rooms is for the tour `auto`, off-screen'

@@ -311,6 +311,22 @@ static void check_sun(const Walked *w, double hour) {
     cr_expect_lt(vec3_length(vec3_sub(light->day.sun, sun_direction(&sun, 0))), 1e-9);
 }
 
+// A room with a window and a lamp, and another one behind a door: their rows fit in memory.
+static const char *hour_plan(Arena *arena) {
+    static const char PLAN[] =
+        "plan 1\nmaterial m #A0A0A0\nmaterial glow reflectance 0.3 emission 10\nground m height 0\n"
+        "storey s floor 0 height 2.5 slab 0.3\n"
+        "room first 0,0 4,0 4,3 0,3 floor m ceiling m walls m wall 0.1\n"
+        "room second 4.1,0 7.1,0 7.1,3 4.1,3 floor m ceiling m walls m wall 0.1\n"
+        "window w 2,-0.05 width 1 height 1 sill 1\n"
+        "door d 4.05,1.5 angle 90 width 0.9 height 2 hinge left swing 85 material m\n"
+        "inlay glow ceiling 1,1 1.5,1 1.5,1.5 1,1.5\nstart 2,2 yaw 0\n";
+    const char *path = arena_format(arena, "%s/hour.plan", support_folder(arena));
+    Error error = {""};
+    cr_assert(file_write(path, PLAN, sizeof PLAN - 1, &error), "%s", error.text);
+    return path;
+}
+
 // Proves that the hour turns: the light of another hour comes while the one before is shown, with doors, person and lamps as they are; an
 // hour that is turned back before its light has come changes nothing; by night there is no daylight; and the light that is kept for the
 // next walk stays that of the hour asked for.
@@ -319,10 +335,13 @@ Test(light_thread, hour_is_turned, .timeout = 300) {
     Walked w;
     load.lamps = SCENE_LAMPS_ALL;
     load.day.day = load.find_light = load.light_later = true;
-    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, NULL,
+    Arena arena = {0};
+    walk_in(&w, hour_plan(&arena), WALK_LOOKS, NULL,
             (SessionLoader){walk_scene_load, &load, walk_scene_turn});
     Session *s = w.session;
-    walk_until_lit(&w);
+    // The light of each lamp is still looked for when the hour turns.
+    while (session_light_arriving(s)) frame_in_time(&w);
+    for (int k = 0; k < 120; k++) frame(&w);
     check_sun(&w, 10);
     const char *kept = light_place(&s->shown->scene.scene->building, &w.arena);
     Bytes before = support_read(&w.arena, kept);
@@ -352,6 +371,15 @@ Test(light_thread, hour_is_turned, .timeout = 300) {
     wait_for_hour(&w);
     cr_expect_eq(s->shown, shown, "turned back");
     check_sun(&w, 12);
+    // Each light takes the place of the one before the last.
+    for (int i = 1; i <= 3; i++) {
+        turn(&w, '.', 1);
+        wait_for_hour(&w);
+        check_sun(&w, 12 + i);
+    }
+    turn(&w, ',', 3);
+    wait_for_hour(&w);
+    check_sun(&w, 12);
     turn(&w, '.', 13);
     cr_expect_str_eq(s->hour, "01:00, night");
     wait_for_hour(&w);
@@ -362,6 +390,7 @@ Test(light_thread, hour_is_turned, .timeout = 300) {
     wait_for_hour(&w);
     check_sun(&w, 10);
     leave(&w);
+    arena_free(&arena);
 }
 
 // Proves that a walk whose hour cannot be turned says why: under an even sky, without a bake, and without a loader that could.

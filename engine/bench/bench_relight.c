@@ -1,6 +1,7 @@
 // bench_relight.c - how soon light follows lamps and doors, and how right it is then. Lamps: sums of the light of each, all light shot anew
 // along rows that are kept, and all from nothing, against lamps of which each is shot to a ten-millionth. Doors: each is opened, or closed
-// where it stands open, and what that changes is found anew, against light that is shot to a ten-millionth in the same state.
+// where it stands open, and what that changes is found anew, against light that is shot to a ten-millionth in the same state. Hours: by day
+// the light turns to others, against light from nothing at that hour on the same elements.
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,8 @@
 #include "radiosity/follow/each_lamp.h"
 #include "radiosity/follow/relight.h"
 #include "radiosity/shoot/shoot_rows.h"
+#include "radiosity/shoot/sky.h"
+#include "radiosity/show/shown.h"
 
 static const char HEAD[] = "building,change,method,ms_90,ms_whole,speedup,error_p99,error_mean,lamps,"
                            "elements,mb,ms_first,first_share\n";
@@ -31,9 +34,10 @@ typedef struct Relit {
     float *doors;
     Mesh mesh;
     RadOptions rad;
-    RadSolution solution, truth;  // both with `each`
+    RadSolution solution, truth;  // both with `each`, by night
+    Daylight day;                 // of the rows
+    Relight relight;
     double bake_seconds, each_seconds;
-    DirectSources *sources;
     Text *csv;
 } Relit;
 
@@ -47,27 +51,49 @@ static void copy_light(Arena *arena, RadSolution *s) {
     }
 }
 
-static bool bake_each(Relit *r, Arena *arena, Error *error) {
+// Bakes light that can follow.
+static bool bake_all(Relit *r, Arena *arena, Error *error) {
     double start = clock_seconds();
     BakeOptions bake = bake_default_options();
+    const StabForest *forest = &r->scene.forest;
+    r->day = bake.day = r->scene.day;
+    const bool by_day = daylight_shines(&r->day);
     if (!bake_mesh(&bake, &r->scene, NULL, NULL, arena, &r->doors, &r->mesh, error)) return false;
     r->rad = bake.rad;
     rad_fit(&r->mesh, &r->rad);
-    if (!rad_start(&r->mesh, arena, &r->solution, error)) return false;
-    r->rad.rows = shoot_rows_new(&r->mesh, &r->scene.forest, r->doors, &r->rad, &r->solution.day, arena);
-    DirectSources *sources = r->sources = each_lamp_sources(&r->mesh, &r->scene.lamps, 0, arena);
+    if (by_day) {
+        r->rad.form_factor.sky_parts = true;
+        r->rad.sky = sky_looks_new(&r->mesh, forest, r->doors, &r->rad);
+    }
+    if (!(by_day ? rad_start_dark : rad_start)(&r->mesh, arena, &r->solution, error)) return false;
+    if (by_day) rad_shine(&r->mesh, forest, r->doors, &r->rad, &r->day, NULL, &r->solution);
+    r->rad.rows = shoot_rows_new(&r->mesh, forest, r->doors, &r->rad, &r->day, arena);
+    DirectSources *sources = each_lamp_sources(&r->mesh, &r->scene.lamps, 0, arena);
     relight_prepare(sources, &r->mesh, arena);
-    rad_shoot(&r->mesh, &r->scene.forest, r->doors, &r->rad, NULL, &r->solution);
-    direct_show_apart(&r->mesh, &r->scene.forest, r->doors, 0, NULL, arena, &r->solution, sources, NULL,
-                      NULL);
+    if (by_day) direct_sources_turn(sources, NULL, NULL);
+    rad_shoot(&r->mesh, forest, r->doors, &r->rad, NULL, &r->solution);
+    direct_show_apart(&r->mesh, forest, r->doors, 0, NULL, arena, &r->solution, sources, NULL, NULL);
     r->bake_seconds = clock_seconds() - start;
+    r->relight = (Relight){.mesh = &r->mesh,
+                           .lamps = &r->scene.lamps,
+                           .forest = forest,
+                           .door_open = r->doors,
+                           .options = &r->rad,
+                           .sources = sources,
+                           .all = &r->solution,
+                           .day = &r->day};
     r->truth = r->solution;
     copy_light(arena, &r->truth);
+    return true;
+}
+
+static bool find_each(Relit *r, Arena *arena, Error *error) {
     RadOptions fine = r->rad;
     fine.residual = TRUTH;
-    EachLamp each = {&r->mesh, &r->scene.lamps, &r->scene.forest, r->doors, &r->rad, sources}, exact = each;
+    EachLamp each = {&r->mesh, &r->scene.lamps, &r->scene.forest, r->doors, &r->rad, r->relight.sources},
+             exact = each;
     exact.options = &fine;
-    start = clock_seconds();
+    double start = clock_seconds();
     bool good = each_lamp_find(&each, NULL, arena, &r->solution);
     r->each_seconds = clock_seconds() - start;
     good = good && each_lamp_find(&exact, NULL, arena, &r->truth);
@@ -224,15 +250,7 @@ static void compare_doors(Relit *r) {
     const Building *b = &r->scene.building;
     RadOptions fine = r->rad;
     fine.residual = TRUTH / 10;
-    Relight relight = {.mesh = &r->mesh,
-                       .lamps = &r->scene.lamps,
-                       .forest = &r->scene.forest,
-                       .door_open = r->doors,
-                       .options = &r->rad,
-                       .sources = r->sources,
-                       .all = &r->solution,
-                       .day = &r->solution.day},
-            exact = relight;
+    Relight *relight = &r->relight, exact = *relight;
     exact.options = &fine;
     int openings = b->opening_count, count = 0, nodes = r->solution.node_count;
     float *doors = ARENA_ARRAY(&scratch, float, openings + 1);
@@ -242,8 +260,8 @@ static void compare_doors(Relit *r) {
     RadSolution state[2];
     memcpy(doors, r->doors, (size_t)openings * sizeof *doors);
     for (int i = 0; i < r->scene.lamps.count; i++) lit[i] = (Rgb){1, 1, 1};
-    each_lamp_sum(&r->truth, lit);
-    relight_state(&relight, doors, lit, NULL, &found[0], &state[0], NULL);
+    if (r->truth.each) each_lamp_sum(&r->truth, lit);
+    relight_state(relight, doors, lit, NULL, &found[0], &state[0], NULL);
     for (int i = 0; i < openings && count < DOORS; i++) {
         int now = (count + 1) % 2;
         Arena truth_arena = {0};
@@ -251,7 +269,7 @@ static void compare_doors(Relit *r) {
         if (b->openings[i].kind != OPENING_DOOR) continue;
         doors[i] = doors[i] > 0.5F ? 0 : 1;
         arena_free(&found[now]);
-        Seconds seconds = follow(&relight, doors, lit, &state[1 - now], &found[now], &state[now]);
+        Seconds seconds = follow(relight, doors, lit, &state[1 - now], &found[now], &state[now]);
         // Its last light is of other rows: all is shot from nothing.
         relight_end(&exact);
         relight_state(&exact, doors, lit, NULL, &truth_arena, &truth, NULL);
@@ -268,9 +286,83 @@ static void compare_doors(Relit *r) {
         print_row(r, "a door in the mean", METHOD, mean, &all);
         print_row(r, "the worst door", METHOD, worst, &all);
     }
-    relight_end(&relight);
     relight_end(&exact);
+    memcpy(doors, r->doors, (size_t)openings * sizeof *doors);
     for (int i = 0; i < 2; i++) arena_free(&found[i]);
+    arena_free(&scratch);
+}
+
+// ---- hours
+
+// The mean of what is shown on each element.
+static double (*shown_of(const Mesh *mesh, const Mesh *shown, const RadSolution *s, Arena *arena))[3] {
+    Arena scratch = {0};
+    Nodes nodes = nodes_of(shown, &scratch);
+    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *out);
+    double *area = ARENA_ARRAY(&scratch, double, mesh->element_count + 1);
+    for (int e = 0; e < shown->element_count; e++) {
+        const Element *element = &shown->elements[e];
+        int in = shown == mesh ? e : shown_around(mesh, shown, e);
+        area[in] += element->area;
+        for (int k = element->first_corner; k < element->first_corner + element->corner_count; k++)
+            for (int c = 0; c < 3; c++)
+                out[in][c] += element->area * s->node[nodes.of_corner[k]][c] / element->corner_count;
+    }
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int c = 0; c < 3 && area[e] > 0; c++) out[e][c] /= area[e];
+    arena_free(&scratch);
+    return out;
+}
+
+// On the same elements, with the doors as they stand.
+static double (*from_nothing(const Relit *r, const Daylight *day, Arena *arena))[3] {
+    RadSolution s;
+    Error error;
+    Mesh finer;
+    RadOptions rad = r->rad;
+    const StabForest *forest = &r->scene.forest;
+    rad.rows = NULL;
+    rad.sky = NULL;
+    rad_start_dark(&r->mesh, arena, &s, &error);
+    rad_shine(&r->mesh, forest, r->doors, &rad, day, NULL, &s);
+    rad_shoot(&r->mesh, forest, r->doors, &rad, NULL, &s);
+    direct_show(&r->mesh, forest, r->doors, 0, NULL, arena, &s, NULL);
+    bool is_finer = s.shown && shown_build(&r->mesh, s.shown, r->doors, arena, &finer, &error);
+    return shown_of(&r->mesh, is_finer ? &finer : &r->mesh, &s, arena);
+}
+
+// The hours that the light turns to, after that of the bake, minutes.
+static const int TURNS[] = {10, 20, 30, 90, 210, 390};
+
+static void compare_hours(Relit *r, const BenchArguments *a) {
+    Arena rooms[2] = {{0}}, scratch = {0};
+    double begun = day_hour(&a->load.day, &r->scene.building, &r->day);
+    float *doors = ARENA_ARRAY(&scratch, float, r->scene.building.opening_count + 1);
+    memcpy(doors, r->doors, (size_t)r->scene.building.opening_count * sizeof *doors);
+    for (size_t i = 0; i < sizeof TURNS / sizeof *TURNS; i++) {
+        Arena *room = &rooms[i % 2], truth = {0};
+        Daylight day;
+        Error error;
+        double hour = begun + TURNS[i] / 60.0;
+        DayOptions at = day_at_hour(&a->load.day, &r->scene.building, hour);
+        if (at.night || !day_over(&at, &r->scene.building, &day, &error)) break;
+        arena_free(room);
+        RadSolution *s = ARENA_ARRAY(room, RadSolution, 1);
+        double start = clock_seconds();
+        relight_turn(&r->relight, &day, doors, NULL, room, s);
+        double seconds = clock_seconds() - start;
+        Errors off = errors_new(r->mesh.element_count, 1, &truth);
+        double(*wanted)[3] = from_nothing(r, &day, &truth);
+        add_errors(&off, shown_of(&r->mesh, direct_sources_shown(r->relight.sources), s, &truth), wanted,
+                   wanted, r->mesh.element_count);
+        print_row(r, arena_format(&truth, "%d minutes later", TURNS[i]), "kept rows and looks at the sky",
+                  at_once(seconds), &off);
+        arena_free(&truth);
+    }
+    relight_end(&r->relight);
+    direct_sources_end(r->relight.sources);
+    r->relight.sources = NULL;
+    for (int i = 0; i < 2; i++) arena_free(&rooms[i]);
     arena_free(&scratch);
 }
 
@@ -282,16 +374,21 @@ static bool relight_file(const char *file, const BenchArguments *a, Text *csv, E
     if (!r) return error_set(error, "no memory");
     r->file = file;
     r->csv = csv;
-    bool good = app_load(file, &load, &arena, &r->scene, error) && bake_each(r, &arena, error);
-    if (good) {
-        Errors none = {0};
+    bool good = app_load(file, &load, &arena, &r->scene, error) && bake_all(r, &arena, error);
+    const bool day = good && daylight_shines(&r->day);
+    Errors none = {0};
+    if (good) print_row(r, day ? "the day" : "all lamps", "all together", at_once(r->bake_seconds), &none);
+    good = good && (day || find_each(r, &arena, error));
+    if (good && !day) {
         print_row(r, "all lamps", "each lamp by itself", at_once(r->each_seconds), &none);
-        print_row(r, "all lamps", "all together", at_once(r->bake_seconds), &none);
         compare_states(r, a);
-        compare_doors(r);
     }
-    if (r->sources) direct_sources_end(r->sources);
+    if (good) compare_doors(r);
+    if (good && day && !daylight_is_uniform(&r->day)) compare_hours(r, a);
+    relight_end(&r->relight);
+    if (r->relight.sources) direct_sources_end(r->relight.sources);
     if (r->rad.rows) shoot_rows_end(r->rad.rows);
+    if (r->rad.sky) sky_looks_end(r->rad.sky);
     arena_free(&arena);
     free(r);
     return good;
@@ -302,7 +399,7 @@ static bool measure_relight(const BenchArguments *a, Error *error) {
 }
 
 static const Option ROWS[] = {BENCH_SEED("of the states"), OPTION_FILL_LAMPS(BENCH_AT(load.fill_lamps)),
-                              BENCH_CSV};
+                              OPTION_DAYLIGHT(BENCH_AT(load.day), "default"), BENCH_CSV};
 
 const Bench BENCH_RELIGHT = {
     .name = "relight",
@@ -310,7 +407,7 @@ const Bench BENCH_RELIGHT = {
         "200 states of the lamps of each FILE, and each of its doors opened or closed: how soon their light "
         "is there, and how far it is off the light of lamps that are shot to a ten-millionth, at elements "
         "and at what is shown; relative to the light there, or to a thousandth of that of all lamps where "
-        "that is more",
+        "that is more. By day the doors, and hours to which the light turns",
     BENCH_OPTIONS(ROWS),
     .run = measure_relight,
     .files = "build/maps/house.plan",

@@ -65,7 +65,7 @@ static bool light_source(Finder *f, int lamp, const Progress *progress, Arena *a
     Error error;
     *mesh = mesh_of_source(f, lamp, arena);
     if (!rad_start_dark(mesh, arena, out, &error)) return false;
-    // What is outdoors hardly counts in what is left of the day: it is shot as all light is.
+    // Hardly any of what is left of the day is in a room that has none of it: it is shot as all light is.
     RadOptions options = f->options;
     if (lamp < 0) options.residual = fmax(options.residual, OF_DAY * each->options->residual);
     if (lamp < 0 && !rad_shine(mesh, each->forest, each->door_open, &options, &f->all->day, progress, out))

@@ -122,7 +122,7 @@ static bool bake_anew(FilmLight *f, const Progress *progress, Error *error) {
 }
 
 // The hour turns. The renderer holds the light before, which lies in the other room, or was baked.
-static bool turn(FilmLight *f, const Daylight *day, const float *door_open, const Progress *progress,
+static bool turn_hour(FilmLight *f, const Daylight *day, const float *door_open, const Progress *progress,
                  Error *error) {
     if (!light_turns(f->light))
         return error_set(
@@ -139,7 +139,7 @@ bool film_light_follow(FilmLight *f, const float *door_open, const Daylight *day
     bool turns = day && memcmp(day, &f->light->solution->day, sizeof *day) != 0;
     if (!turns && !is_due(f, door_open)) return true;
     if (!f->states && f->source.anew && !bake_anew(f, progress, error)) return false;
-    if (turns && !turn(f, day, door_open, progress, error)) return false;
+    if (turns && !turn_hour(f, day, door_open, progress, error)) return false;
     if (!f->states) {
         f->stayed = true;
         return true;

@@ -6,50 +6,14 @@
 //
 // So each line from the sky to an element indoors is counted where it comes in for the last time: one that leaves again through
 // another opening ends there. Elements outdoors, or in no cell, look for themselves.
-#include "radiosity/shoot/sky.h"
+#include "radiosity/shoot/sky_looks.h"
 
 #include <stdlib.h>
 
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
 #include "engine/core/polygon.h"
-#include "radiosity/factors/form_factor.h"
-#include "radiosity/factors/row.h"
-#include "radiosity/factors/sampler.h"
 #include "radiosity/shoot/sunlight.h"
-
-// Light that comes in by an opening from a part of the sky, or from the ground, to an element: its power, for a radiance of 1 W/m^2/sr
-// overhead or from the ground, is pi times the part's share.
-typedef struct Incoming {
-    int element;   // -1: backs
-    bool ground;   // the part has no middle
-    SkyPart part;  // its share in m^2
-} Incoming;
-
-typedef struct SkyOpening {
-    int inside, outside;   // cells
-    Plane plane;           // n points inside
-    const Vec3 *vertices;  // [count] in CellGraph.portal_vertices
-    int count;
-    int first_piece, piece_count;
-    // If looks are kept: what comes in, and the doors that it depends on, as in View.
-    bool known;
-    Incoming *incoming;  // [incoming_count]
-    int incoming_count;
-    uint64_t *doors;
-} SkyOpening;
-
-typedef struct SkyPiece {
-    int opening;
-    Vec3 centre;
-    double area;  // m^2
-} SkyPiece;
-
-typedef struct SkyOpenings {
-    SkyOpening *openings;  // [count]
-    SkyPiece *pieces;      // [piece_count] opening after opening
-    int count, piece_count;
-} SkyOpenings;
 
 // Openings of more corners are not taken.
 enum { SKY_CORNERS = 64 };
@@ -208,9 +172,6 @@ static void sky_end_at_exits(const SkyOpenings *openings, const StabForest *fore
 
 // Pixels across the base of the hemisphere of an element outdoors: most of its view is sky.
 enum { RESOLUTION_OUTDOORS = 48 };
-// Pieces whose light is found at a time, and patches that look for the sky: a tenth of a second of one core, and then progress is
-// told of.
-enum { BATCH = 256, PATCH_BATCH = 4096 };
 // A patch that has lost less than this of the sky is not cut up.
 static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
@@ -218,99 +179,6 @@ static const double IN_FRONT = 1e-6;
 
 // Samples are this much higher than panes where they pass above, as the z of unit vectors: more than the rounding of floats.
 static const double ABOVE_PANES = 1e-5;
-
-// The radiance of the sky over that overhead along each sample of views with one normal; 0 from below the horizon. It serves one patch
-// or piece after the other as long as the normal is the same.
-typedef struct SkyTable {
-    Vec3 normal;
-    double *relative;  // [samples]
-} SkyTable;
-
-// Where a line through an opening comes from.
-enum { FROM_NOWHERE, FROM_SKY, FROM_GROUND, ORIGINS };
-
-// One thread's tools.
-typedef struct Watcher {
-    Arena arena;
-    Viewer *viewer;
-    Sampler *inside, *outside;  // turned against each other: a line through both is a pixel of both
-    Sampler *around;            // of elements outdoors
-    int32_t *item;              // of any of them
-    SkyTable behind, above;     // of `outside` and `around`
-    unsigned char *origin;      // [samples] of `inside`: the origin of the light behind
-    int32_t *lit;               // [samples] of `inside`: items of one origin
-    int *met;                   // [samples] of `inside`: elements, if looks are kept
-    struct Ray *rays;           // [samples] of `inside`, likewise
-    float *weight;   // [samples] of `inside`, times the sky's radiance there, and what panes let through
-    Panes panes[2];  // those before the look at hand, and those behind an opening's piece
-    RowSum sum;
-    FormFactorWork work;
-    // If looks are kept.
-    SkyCollector *collector;
-    SkyPart *part;    // [SKY_PARTS_MOST]
-    uint64_t *doors;  // those that the looks of a patch, or of a piece, depend on
-    Arena kept;       // of Seen
-} Watcher;
-
-// The light of one origin that a piece sends in: of its power, for a radiance of `mean`, the shares of elements and backs.
-typedef struct BeamPart {
-    int count, *element;
-    float *factor;
-    double back, mean;
-} BeamPart;
-
-// Samples of one cell of the sky, or of the ground, that meet one element one after the other.
-typedef struct Ray {
-    int element, cell;  // element -1: backs; cell -1: the ground
-    double share;       // of the view of a piece
-    double light;       // times the radiance over that overhead
-    Vec3 sum;           // of directions to the sky, times the share
-} Ray;
-
-typedef struct Beam {
-    Arena arena;
-    BeamPart parts[ORIGINS];
-    // If looks are kept, instead of the parts.
-    Ray *rays;  // [ray_count]
-    int ray_count;
-    uint64_t *doors;
-} Beam;
-
-// The hemisphere over an element, weighted by the cosine: the share that is sky, the same with the sky's radiance over that overhead, and
-// the share that is ground beyond the building's.
-typedef struct Seen {
-    double open, sky, ground;
-    SkyPart *part;  // [part_count] whose light is `sky`, if looks are kept
-    int part_count;
-} Seen;
-
-typedef struct SkyLooks Shine;
-
-struct SkyLooks {
-    Arena arena;
-    const Mesh *mesh;
-    const StabForest *forest;
-    const RadOptions *options;
-    bool keep;
-    int threads;
-    SkyOpenings openings;
-    FaceLines lines;
-    Daylight day;     // under which light was found last
-    double below[3];  // radiance of the ground
-    bool ground;      // any of it is above 0
-    bool *looks;      // [element_count] for the sky itself
-    Seen *seen;       // [element_count] by those that look
-    int *mirror;      // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
-    Watcher *watchers;
-    Beam beams[BATCH];
-    int first;  // piece or patch of the batch
-    int *list;  // [piece_count] the pieces to look from
-    // If looks are kept.
-    bool *known;      // [patch_count] its elements have looked
-    uint64_t *doors;  // [patch_count * door_words] that this depends on, as in View
-    int door_words;
-    size_t used;  // memory of Seen when it was tidied last, bytes
-};
 
 // ---- tools
 
@@ -612,25 +480,11 @@ static void look_in(void *context, int index, int thread) {
 
 // ---- light
 
-// Power on an element, for a radiance of 1.
-static void receive(const Mesh *mesh, int e, double power, const double radiance[3], RadSolution *solution) {
-    const Element *element = &mesh->elements[e];
-    Rgb m = mesh_reflectance(mesh, e);
-    const double rho[3] = {(double)m.r, (double)m.g, (double)m.b};
-    for (int c = 0; c < 3; c++) {
-        double arrives = power * radiance[c], reflected = rho[c] * arrives;
-        solution->emitted[c] += arrives;
-        solution->absorbed[c] += arrives - reflected;
-        solution->radiosity[e][c] += reflected / element->area;
-        solution->unshot[element->patch][c] += reflected / mesh->patches[element->patch].area;
-    }
-}
-
 static void receive_part(const Mesh *mesh, const SkyPiece *piece, const BeamPart *part,
                          const double radiance[3], RadSolution *solution) {
     double power = M_PI * piece->area * part->mean;
     for (int i = 0; i < part->count; i++)
-        receive(mesh, part->element[i], power * (double)part->factor[i], radiance, solution);
+        sky_receive(mesh, part->element[i], power * (double)part->factor[i], radiance, solution);
     for (int c = 0; c < 3; c++) {
         solution->emitted[c] += power * part->back * radiance[c];
         solution->absorbed[c] += power * part->back * radiance[c];
@@ -639,150 +493,6 @@ static void receive_part(const Mesh *mesh, const SkyPiece *piece, const BeamPart
 
 static int batch_of(const Shine *s, int all, int most) {
     return all - s->first < most ? all - s->first : most;
-}
-
-// ---- looks that are kept
-
-// Rays of an opening, those of one element and one cell of the sky together, in the order in which they came.
-typedef struct Gathered {
-    Arena arena;
-    Ray *rays;  // [count]
-    int count, capacity;
-    int *slot;  // [slots] an index of `rays`, -1
-    int slots;  // a power of 2
-} Gathered;
-
-static int slot_of(const Gathered *g, int element, int cell) {
-    uint64_t key = (uint64_t)(element + 1) * (SKY_PARTS_MOST + 1) + (uint64_t)(cell + 1);
-    int at = (int)((key * 0x9E3779B97F4A7C15U) >> 33) & (g->slots - 1);
-    while (g->slot[at] >= 0 && (g->rays[g->slot[at]].element != element || g->rays[g->slot[at]].cell != cell))
-        at = (at + 1) & (g->slots - 1);
-    return at;
-}
-
-static void grow_gathered(Gathered *g) {
-    enum { FEWEST = 4096 };
-    g->slots = g->slots ? 2 * g->slots : FEWEST;
-    g->slot = ARENA_ARRAY(&g->arena, int, g->slots);
-    for (int i = 0; i < g->slots; i++) g->slot[i] = -1;
-    for (int i = 0; i < g->count; i++) g->slot[slot_of(g, g->rays[i].element, g->rays[i].cell)] = i;
-}
-
-static void add_ray(Gathered *g, const Ray *ray) {
-    if (2 * g->count >= g->slots) grow_gathered(g);
-    int *at = &g->slot[slot_of(g, ray->element, ray->cell)];
-    if (*at < 0) {
-        *at = g->count;
-        *ARENA_PUSH(&g->arena, g->rays, g->count, g->capacity) = *ray;
-        return;
-    }
-    Ray *to = &g->rays[*at];
-    to->share += ray->share;
-    to->light += ray->light;
-    to->sum = vec3_add(to->sum, ray->sum);
-}
-
-// Stores what came in by an opening. So many `pieces` of it have looked.
-static void end_opening(SkyOpening *o, double area, const Daylight *day, Gathered *g) {
-    free(o->incoming);
-    o->incoming = calloc((size_t)g->count + 1, sizeof *o->incoming);
-    CORE_ASSERT(o->incoming);
-    o->incoming_count = g->count;
-    o->known = true;
-    for (int i = 0; i < g->count; i++) {
-        const Ray *ray = &g->rays[i];
-        bool ground = ray->cell < 0;
-        SkyPart part = ground ? (SkyPart){.share = (float)ray->share} : sky_part_of(ray->share, ray->sum);
-        if (!ground) sky_parts_fit(&part, 1, day, ray->light);
-        part.share *= (float)area;
-        o->incoming[i] = (Incoming){ray->element, ground, part};
-    }
-    arena_free(&g->arena);
-    *g = (Gathered){0};
-}
-
-static void receive_incoming(const Shine *s, const Mesh *mesh, const SkyOpening *o, RadSolution *solution) {
-    for (int i = 0; i < o->incoming_count; i++) {
-        const Incoming *in = &o->incoming[i];
-        if ((in->ground && !s->ground) || (in->element >= 0 && s->looks[in->element])) continue;
-        double power = M_PI * (double)in->part.share;
-        if (!in->ground) power *= sky_part_relative(&in->part, &s->day);
-        const double *radiance = in->ground ? s->below : s->day.zenith;
-        if (in->element >= 0) {
-            receive(mesh, in->element, power, radiance, solution);
-            continue;
-        }
-        for (int c = 0; c < 3; c++) {
-            solution->emitted[c] += power * radiance[c];
-            solution->absorbed[c] += power * radiance[c];
-        }
-    }
-}
-
-// Light of looks that were made under another day.
-static void turn_patch(void *context, int index, int thread) {
-    const Shine *s = context;
-    const Patch *patch = &s->mesh->patches[index];
-    (void)thread;
-    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-        Seen *seen = &s->seen[e];
-        const Seen *before = e > patch->first_element ? &s->seen[e - 1] : NULL;
-        bool same = before && before->part == seen->part;
-        seen->sky = same ? before->sky : sky_parts_light(seen->part, seen->part_count, &s->day);
-    }
-}
-
-static bool any_moves(const uint64_t *doors, const MovedDoors *moved) {
-    for (int i = 0; i < moved->count; i++)
-        if (view_has_door(doors, moved->doors[i].opening)) return true;
-    return false;
-}
-
-static bool patch_depends(const Shine *s, int index, const MovedDoors *moved) {
-    const Mesh *mesh = s->mesh;
-    const Patch *patch = &mesh->patches[index];
-    const uint64_t *doors = s->doors + (size_t)index * (size_t)s->door_words;
-    if (mesh_leaf_moves(moved, mesh->graph->building,
-                        mesh->graph->objects[mesh->faces[patch->face].object].leaf))
-        return true;
-    for (int i = 0; i < moved->count; i++)
-        if (view_has_door(doors, moved->doors[i].opening) &&
-            mesh_door_rises(&moved->doors[i], patch->centre, mesh->faces[patch->face].plane.n))
-            return true;
-    return false;
-}
-
-// Looks that were dropped are forgotten once they are half of all.
-static void tidy(Shine *s) {
-    size_t used = 0;
-    Arena kept = {0};
-    for (int t = 0; t < s->threads; t++) used += s->watchers[t].kept.used;
-    if (s->used == 0) s->used = used;
-    if (used <= 2 * s->used) return;
-    const SkyPart *last = NULL;
-    for (int e = 0; e < s->mesh->element_count; e++) {
-        Seen *seen = &s->seen[e];
-        if (e > 0 && last && seen->part == last) {
-            seen->part = s->seen[e - 1].part;
-            continue;
-        }
-        last = seen->part;
-        seen->part = ARENA_ARRAY(&kept, SkyPart, seen->part_count + 1);
-        if (seen->part_count > 0) memcpy(seen->part, last, (size_t)seen->part_count * sizeof *last);
-    }
-    for (int t = 0; t < s->threads; t++) arena_free(&s->watchers[t].kept);
-    s->watchers[0].kept = kept;
-    s->used = kept.used;
-}
-
-void sky_looks_move(SkyLooks *s, const MovedDoors *moved) {
-    for (int t = 0; t < s->threads; t++) viewer_pose(s->watchers[t].viewer);
-    for (int p = 0; p < s->mesh->patch_count; p++) s->known[p] = s->known[p] && !patch_depends(s, p, moved);
-    for (int o = 0; o < s->openings.count; o++) {
-        SkyOpening *opening = &s->openings.openings[o];
-        opening->known = opening->known && !any_moves(opening->doors, moved);
-    }
-    tidy(s);
 }
 
 // ---- all light
@@ -796,9 +506,9 @@ static bool shine_outdoors(Shine *s, const Mesh *mesh, const Progress *progress,
     }
     for (int e = 0; e < mesh->element_count; e++) {
         double area = M_PI * mesh->elements[e].area;
-        if (s->seen[e].sky > 0) receive(mesh, e, area * s->seen[e].sky, s->day.zenith, solution);
+        if (s->seen[e].sky > 0) sky_receive(mesh, e, area * s->seen[e].sky, s->day.zenith, solution);
         if (s->ground && s->seen[e].ground > 0)
-            receive(mesh, e, area * s->seen[e].ground, s->below, solution);
+            sky_receive(mesh, e, area * s->seen[e].ground, s->below, solution);
     }
     for (int c = 0; c < 3; c++) solution->outdoors[c] = solution->emitted[c] - lamps[c];
     return true;
@@ -817,9 +527,9 @@ static void take_beams(Shine *s, const Mesh *mesh, int count, Gathered *gathered
         }
         SkyOpening *o = &s->openings.openings[piece->opening];
         if (number == o->first_piece) memset(o->doors, 0, (size_t)s->door_words * sizeof *o->doors);
-        for (int k = 0; k < beam->ray_count; k++) add_ray(gathered, &beam->rays[k]);
+        for (int k = 0; k < beam->ray_count; k++) sky_add_ray(gathered, &beam->rays[k]);
         for (int k = 0; k < s->door_words; k++) o->doors[k] |= beam->doors[k];
-        if (number + 1 == o->first_piece + o->piece_count) end_opening(o, piece->area, &s->day, gathered);
+        if (number + 1 == o->first_piece + o->piece_count) sky_end_opening(o, piece->area, &s->day, gathered);
     }
 }
 
@@ -837,7 +547,7 @@ static bool shine_in(Shine *s, const Mesh *mesh, const Progress *progress, RadSo
     }
     arena_free(&gathered.arena);
     for (int o = 0; o < s->openings.count && go_on; o++)
-        receive_incoming(s, mesh, &s->openings.openings[o], solution);
+        sky_receive_incoming(s, mesh, &s->openings.openings[o], solution);
     return go_on;
 }
 
@@ -853,7 +563,7 @@ static bool shine_sun(Shine *s, const Mesh *mesh, const Progress *progress, RadS
         const Element *element = &mesh->elements[e];
         if (!(share[e] > 0) || !mesh_owns(mesh, element->face)) continue;
         double power = share[e] * element->area * vec3_dot(mesh->faces[element->face].plane.n, day->sun);
-        receive(mesh, e, power, day->beam, solution);
+        sky_receive(mesh, e, power, day->beam, solution);
         for (int c = 0; c < 3 && s->looks[e]; c++) solution->outdoors[c] += power * day->beam[c];
     }
     arena_free(&arena);
@@ -919,7 +629,7 @@ static void turn_to(Shine *s, const Daylight *day) {
     s->ground = rgb_sum(s->below) > 0;
     for (int t = 0; t < s->threads && turned; t++)
         s->watchers[t].behind.normal = s->watchers[t].above.normal = (Vec3){0, 0, 0};
-    if (turned && s->keep) parallel_for(s->threads, s->mesh->patch_count, turn_patch, s);
+    if (turned && s->keep) sky_turn_looks(s);
 }
 
 bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,

@@ -294,26 +294,6 @@ static void compare_doors(Relit *r) {
 
 // ---- hours
 
-// The mean of what is shown on each element.
-static double (*shown_of(const Mesh *mesh, const Mesh *shown, const RadSolution *s, Arena *arena))[3] {
-    Arena scratch = {0};
-    Nodes nodes = nodes_of(shown, &scratch);
-    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *out);
-    double *area = ARENA_ARRAY(&scratch, double, mesh->element_count + 1);
-    for (int e = 0; e < shown->element_count; e++) {
-        const Element *element = &shown->elements[e];
-        int in = shown == mesh ? e : shown_around(mesh, shown, e);
-        area[in] += element->area;
-        for (int k = element->first_corner; k < element->first_corner + element->corner_count; k++)
-            for (int c = 0; c < 3; c++)
-                out[in][c] += element->area * s->node[nodes.of_corner[k]][c] / element->corner_count;
-    }
-    for (int e = 0; e < mesh->element_count; e++)
-        for (int c = 0; c < 3 && area[e] > 0; c++) out[e][c] /= area[e];
-    arena_free(&scratch);
-    return out;
-}
-
 // On the same elements, with the doors as they stand.
 static double (*from_nothing(const Relit *r, const Daylight *day, Arena *arena))[3] {
     RadSolution s;
@@ -328,7 +308,7 @@ static double (*from_nothing(const Relit *r, const Daylight *day, Arena *arena))
     rad_shoot(&r->mesh, forest, r->doors, &rad, NULL, &s);
     direct_show(&r->mesh, forest, r->doors, 0, NULL, arena, &s, NULL);
     bool is_finer = s.shown && shown_build(&r->mesh, s.shown, r->doors, arena, &finer, &error);
-    return shown_of(&r->mesh, is_finer ? &finer : &r->mesh, &s, arena);
+    return shown_means(&r->mesh, is_finer ? &finer : &r->mesh, &s, arena);
 }
 
 // The hours that the light turns to, after that of the bake, minutes.
@@ -353,7 +333,7 @@ static void compare_hours(Relit *r, const BenchArguments *a) {
         double seconds = clock_seconds() - start;
         Errors off = errors_new(r->mesh.element_count, 1, &truth);
         double(*wanted)[3] = from_nothing(r, &day, &truth);
-        add_errors(&off, shown_of(&r->mesh, direct_sources_shown(r->relight.sources), s, &truth), wanted,
+        add_errors(&off, shown_means(&r->mesh, direct_sources_shown(r->relight.sources), s, &truth), wanted,
                    wanted, r->mesh.element_count);
         print_row(r, arena_format(&truth, "%d minutes later", TURNS[i]), "kept rows and looks at the sky",
                   at_once(seconds), &off);

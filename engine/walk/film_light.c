@@ -123,7 +123,7 @@ static bool bake_anew(FilmLight *f, const Progress *progress, Error *error) {
 
 // The hour turns. The renderer holds the light before, which lies in the other room, or was baked.
 static bool turn_hour(FilmLight *f, const Daylight *day, const float *door_open, const Progress *progress,
-                 Error *error) {
+                      Error *error) {
     if (!light_turns(f->light))
         return error_set(
             error, "the hour stays as it is: the light that is stored does not follow it (--day bakes anew)");

@@ -616,7 +616,7 @@ void sky_looks_end(SkyLooks *s) {
         arena_free(&s->watchers[t].kept);
     }
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
-    for (int o = 0; o < s->openings.count; o++) free(s->openings.openings[o].incoming);
+    for (int o = 0; o < s->openings.count; o++) arena_free(&s->openings.openings[o].kept);
     Arena arena = s->arena;
     arena_free(&arena);
 }

@@ -1,9 +1,7 @@
 // sky_kept.c - looks at the sky that are kept: those of elements by the parts of the sky that they see, those of openings by what comes
 // in for each element from each part.
-#include <stdlib.h>
 #include <string.h>
 
-#include "engine/core/error.h"
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/sky_looks.h"
 
@@ -51,9 +49,8 @@ void sky_add_ray(Gathered *g, const Ray *ray) {
 }
 
 void sky_end_opening(SkyOpening *o, double area, const Daylight *day, Gathered *g) {
-    free(o->incoming);
-    o->incoming = calloc((size_t)g->count + 1, sizeof *o->incoming);
-    CORE_ASSERT(o->incoming);
+    arena_free(&o->kept);
+    o->incoming = ARENA_ARRAY(&o->kept, Incoming, g->count + 1);
     o->incoming_count = g->count;
     o->known = true;
     for (int i = 0; i < g->count; i++) {

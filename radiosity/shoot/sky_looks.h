@@ -23,6 +23,7 @@ typedef struct SkyOpening {
     int first_piece, piece_count;
     // If looks are kept: what comes in, and the doors that it depends on, as in View.
     bool known;
+    Arena kept;          // of `incoming`
     Incoming *incoming;  // [incoming_count]
     int incoming_count;
     uint64_t *doors;

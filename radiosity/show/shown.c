@@ -123,3 +123,23 @@ bool shown_light(const Mesh *mesh, const RadSolution *solution, const float *doo
     *light = out;
     return true;
 }
+
+double (*shown_means(const Mesh *mesh, const Mesh *shown, const RadSolution *solution, Arena *arena))[3] {
+    Arena scratch = {0};
+    Nodes nodes = nodes_of(shown, &scratch);
+    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *out);
+    double *area = ARENA_ARRAY(&scratch, double, mesh->element_count + 1);
+    CORE_ASSERT(nodes.count == solution->node_count);
+    for (int e = 0; e < shown->element_count; e++) {
+        const Element *element = &shown->elements[e];
+        int in = shown == mesh ? e : shown_around(mesh, shown, e);
+        double part = element->area / element->corner_count;
+        area[in] += element->area;
+        for (int k = element->first_corner; k < element->first_corner + element->corner_count; k++)
+            for (int c = 0; c < 3; c++) out[in][c] += part * solution->node[nodes.of_corner[k]][c];
+    }
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int c = 0; c < 3 && area[e] > 0; c++) out[e][c] /= area[e];
+    arena_free(&scratch);
+    return out;
+}

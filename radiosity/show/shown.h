@@ -27,4 +27,8 @@ int shown_around(const Mesh *mesh, const Mesh *shown, int element);
 void shown_nodes(const Mesh *mesh, const RadSolution *solution, const Mesh *shown, const Nodes *nodes,
                  double (*out)[3]);
 
+// The mean radiosity that a solution shows on each element of `mesh`, at nodes of a finer mesh or of `mesh` itself: [mesh->element_count],
+// W/m^2, in the arena.
+double (*shown_means(const Mesh *mesh, const Mesh *shown, const RadSolution *solution, Arena *arena))[3];
+
 #endif

@@ -122,3 +122,28 @@ Mesh lamps3_alone(Lamps3 *l, int lamp) {
     lit[lamp] = (Rgb){1, 1, 1};
     return lamps_mesh(&l->scene.lamps, &l->mesh, lit, &l->arena);
 }
+
+static int smaller_first(const void *a, const void *b) {
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+LightOff lamps3_off(double (*value)[3], double (*truth)[3], const double *weight, int count, double share) {
+    Arena scratch = {0};
+    double *off = ARENA_ARRAY(&scratch, double, count + 1), light = 0, all = 0, sum = 0;
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        light += (weight ? weight[i] : 1) * rgb_sum(truth[i]);
+        all += weight ? weight[i] : 1;
+    }
+    for (int i = 0; i < count; i++) {
+        if (rgb_sum(value[i]) == 0 && rgb_sum(truth[i]) == 0) continue;
+        off[found] =
+            fabs(rgb_sum(value[i]) - rgb_sum(truth[i])) / fmax(rgb_sum(truth[i]), share * light / all);
+        sum += off[found++];
+    }
+    qsort(off, (size_t)found, sizeof *off, smaller_first);
+    LightOff out = {sum / found, off[(size_t)(0.99 * (found - 1))]};
+    arena_free(&scratch);
+    return out;
+}

@@ -30,6 +30,13 @@ void lamps3_bake(Lamps3 *l, double residual, int threads);
 void lamps3_follow(Lamps3 *l, double residual, int threads);
 void lamps3_free(Lamps3 *l);
 
+// How far values [count] are off: the mean, and of the worst hundredth the best, relative to the truth or to this share of its mean, in
+// which `weight` (NULL: all alike) tells how much each counts. Places that are dark in both do not count.
+typedef struct LightOff {
+    double mean, p99;
+} LightOff;
+LightOff lamps3_off(double (*value)[3], double (*truth)[3], const double *weight, int count, double share);
+
 // The mesh with one lamp alone, fully lit.
 Mesh lamps3_alone(Lamps3 *l, int lamp);
 

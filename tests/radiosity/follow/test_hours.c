@@ -14,33 +14,6 @@ static Daylight day_at(double hour) {
     return daylight_of(&sun, 0, DAYLIGHT_CLEAR);
 }
 
-// How far values are off: the mean, and of the worst hundredth the best, relative to what is there or to a hundredth of the mean. `weight`:
-// what each counts in that mean.
-typedef struct Off {
-    double mean, p99;
-} Off;
-
-static int smaller_first(const void *a, const void *b) {
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
-static Off compare(double (*a)[3], double (*b)[3], const double *weight, int count) {
-    Arena scratch = {0};
-    double *off = ARENA_ARRAY(&scratch, double, count + 1), sums[2] = {0, 0}, sum = 0;
-    int found = 0;
-    for (int i = 0; i < count; i++) sums[0] += weight[i] * rgb_sum(b[i]), sums[1] += weight[i];
-    for (int i = 0; i < count; i++) {
-        if (!(weight[i] > 0) || (rgb_sum(a[i]) == 0 && rgb_sum(b[i]) == 0)) continue;
-        off[found] = fabs(rgb_sum(a[i]) - rgb_sum(b[i])) / fmax(rgb_sum(b[i]), 0.01 * sums[0] / sums[1]);
-        sum += off[found++];
-    }
-    qsort(off, (size_t)found, sizeof *off, smaller_first);
-    Off out = {sum / found, off[(int)(0.99 * (found - 1))]};
-    arena_free(&scratch);
-    return out;
-}
-
 static double *areas_of(const Mesh *mesh, Arena *arena) {
     double *out = ARENA_ARRAY(arena, double, mesh->element_count + 1);
     for (int e = 0; e < mesh->element_count; e++) out[e] = mesh->elements[e].area;
@@ -84,8 +57,8 @@ Test(hours, looks_turn, .timeout = 240) {
     SkyLooks *looks = sky_looks_new(&l->mesh, &l->scene.forest, doors, &l->rad);
     for (int i = 0; i < 4; i++) {
         Daylight day = day_at(HOURS[i]);
-        Off off = compare(shone(l, looks, doors, &day, &scratch).radiosity,
-                          shone(l, NULL, doors, &day, &scratch).radiosity, area, elements);
+        LightOff off = lamps3_off(shone(l, looks, doors, &day, &scratch).radiosity,
+                                  shone(l, NULL, doors, &day, &scratch).radiosity, area, elements, 0.01);
         printf("%g:00: light of kept looks is %.4f %% off in the mean, %.3f %% at p99\n", HOURS[i],
                100 * off.mean, 100 * off.p99);
         cr_expect(off.mean < (i ? 5e-3 : 1e-6) && off.p99 < (i ? 1e-2 : 1e-5));
@@ -96,8 +69,8 @@ Test(hours, looks_turn, .timeout = 240) {
     memcpy(doors, to, (size_t)openings * sizeof *to);
     sky_looks_move(looks, &moved);
     Daylight day = day_at(HOURS[3]);
-    Off off = compare(shone(l, looks, doors, &day, &scratch).radiosity,
-                      shone(l, NULL, doors, &day, &scratch).radiosity, area, elements);
+    LightOff off = lamps3_off(shone(l, looks, doors, &day, &scratch).radiosity,
+                              shone(l, NULL, doors, &day, &scratch).radiosity, area, elements, 0.01);
     printf("door moved: %.4f %% off in the mean, %.3f %% at p99\n", 100 * off.mean, 100 * off.p99);
     cr_expect(off.mean < 5e-3 && off.p99 < 1e-2);
     sky_looks_end(looks);
@@ -108,27 +81,6 @@ Test(hours, looks_turn, .timeout = 240) {
 
 // ---- all light
 
-// The mean of what is shown on each element.
-static double (*shown_of(const Mesh *mesh, const Mesh *shown, const RadSolution *s, Arena *arena))[3] {
-    Arena scratch = {0};
-    Nodes nodes = nodes_of(shown, &scratch);
-    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *out);
-    double *area = ARENA_ARRAY(&scratch, double, mesh->element_count + 1);
-    cr_assert_eq(nodes.count, s->node_count);
-    for (int e = 0; e < shown->element_count; e++) {
-        const Element *element = &shown->elements[e];
-        int in = shown == mesh ? e : shown_around(mesh, shown, e);
-        double part = element->area / element->corner_count;
-        area[in] += element->area;
-        for (int k = element->first_corner; k < element->first_corner + element->corner_count; k++)
-            for (int c = 0; c < 3; c++) out[in][c] += part * s->node[nodes.of_corner[k]][c];
-    }
-    for (int e = 0; e < mesh->element_count; e++)
-        for (int c = 0; c < 3 && area[e] > 0; c++) out[e][c] /= area[e];
-    arena_free(&scratch);
-    return out;
-}
-
 static double (*turned_to(Lamps3 *l, double hour, const float *doors, Arena *arena))[3] {
     RadSolution *out = ARENA_ARRAY(arena, RadSolution, 1);
     Daylight day = day_at(hour);
@@ -136,7 +88,7 @@ static double (*turned_to(Lamps3 *l, double hour, const float *doors, Arena *are
     double power[2] = {rgb_sum(out->emitted), rgb_sum(out->absorbed) + rgb_sum(out->escaped)};
     for (int p = 0; p < out->patch_count; p++) power[1] += rgb_sum(out->unshot[p]) * l->mesh.patches[p].area;
     cr_expect_float_eq(power[0], power[1], 1e-9 * power[0], "%g W of %g", power[1], power[0]);
-    return shown_of(&l->mesh, direct_sources_shown(l->relight.sources), out, arena);
+    return shown_means(&l->mesh, direct_sources_shown(l->relight.sources), out, arena);
 }
 
 // On the same elements, from nothing.
@@ -153,12 +105,12 @@ static double (*from_nothing(Lamps3 *l, double hour, const float *doors, Arena *
     cr_assert_not(rad_shoot(&l->mesh, &l->scene.forest, doors, &options, NULL, &s).stopped);
     cr_assert(direct_show(&l->mesh, &l->scene.forest, doors, 2, NULL, arena, &s, NULL));
     cr_assert(shown_build(&l->mesh, s.shown, doors, arena, &finer, &error), "%s", error.text);
-    return shown_of(&l->mesh, &finer, &s, arena);
+    return shown_means(&l->mesh, &finer, &s, arena);
 }
 
 static void expect_near(const char *what, Lamps3 *l, double (*a)[3], double (*b)[3], double mean, double p99,
                         Arena *arena) {
-    Off off = compare(a, b, areas_of(&l->mesh, arena), l->mesh.element_count);
+    LightOff off = lamps3_off(a, b, areas_of(&l->mesh, arena), l->mesh.element_count, 0.01);
     printf("%s: %.3f %% off in the mean, %.2f %% at p99\n", what, 100 * off.mean, 100 * off.p99);
     cr_expect(off.mean < mean && off.p99 < p99, "%s", what);
 }
@@ -189,15 +141,15 @@ Test(hours, light_turns, .timeout = 300) {
     cr_assert(relight_state(&l->relight, doors, full, NULL, &scratch, &state[0], NULL));
     cr_assert(relight_state(&l->relight, open, full, NULL, &scratch, &state[0], NULL));
     expect_near("a door opened at noon", l,
-                shown_of(&l->mesh, direct_sources_shown(l->relight.sources), &state[0], &scratch),
+                shown_means(&l->mesh, direct_sources_shown(l->relight.sources), &state[0], &scratch),
                 turned_to(other, 12.5, open, &scratch), 1e-3, 1e-2, &scratch);
     // The sun and the sky alone.
     cr_assert(relight_state(&l->relight, open, off, NULL, &scratch, &state[0], NULL));
     cr_assert(relight_state(&other->relight, open, off, NULL, &scratch, &state[1], NULL));
     expect_near("without lamps", l,
-                shown_of(&l->mesh, direct_sources_shown(l->relight.sources), &state[0], &scratch),
-                shown_of(&l->mesh, direct_sources_shown(other->relight.sources), &state[1], &scratch), 1e-3,
-                1e-2, &scratch);
+                shown_means(&l->mesh, direct_sources_shown(l->relight.sources), &state[0], &scratch),
+                shown_means(&l->mesh, direct_sources_shown(other->relight.sources), &state[1], &scratch),
+                1e-3, 1e-2, &scratch);
     // And back.
     expect_near("back", l, turned_to(l, 12.5, doors, &scratch), noon, 1e-3, 1e-2, &scratch);
     lamps3_free(l);

@@ -87,27 +87,10 @@ static RadSolution state(Lamps3 *l, float open, const Rgb *lit, Arena *arena) {
     return out;
 }
 
-// How far light at the nodes is off: the mean, and of the worst hundredth the best, relative to the light there or to a thousandth of the
-// mean.
-typedef struct Off {
-    double mean, p99;
-} Off;
-
-static int smaller_first(const void *a, const void *b) {
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
-static Off compare(const RadSolution *a, const RadSolution *b, Arena *arena) {
-    double *off = ARENA_ARRAY(arena, double, a->node_count + 1), mean = 0, sum = 0;
+// How far light at the nodes is off.
+static LightOff compare(const RadSolution *a, const RadSolution *b) {
     cr_assert_eq(a->node_count, b->node_count);
-    for (int n = 0; n < a->node_count; n++) mean += rgb_sum(a->node[n]) / a->node_count;
-    for (int n = 0; n < a->node_count; n++) {
-        off[n] = fabs(rgb_sum(a->node[n]) - rgb_sum(b->node[n])) / fmax(rgb_sum(a->node[n]), 1e-3 * mean);
-        sum += off[n];
-    }
-    qsort(off, (size_t)a->node_count, sizeof *off, smaller_first);
-    return (Off){sum / a->node_count, off[(size_t)(0.99 * (a->node_count - 1))]};
+    return lamps3_off(b->node, a->node, NULL, a->node_count, 1e-3);
 }
 
 static void random_state(Random *random, Rgb lit[4], float *open) {
@@ -146,7 +129,7 @@ static void check_path(bool day) {
     }
     RadSolution there = state(l, open, lit, &scratch), at_once = state(other, open, lit, &scratch),
                 back = state(l, first, full, &scratch);
-    Off path = compare(&at_once, &there, &scratch), drift = compare(&begun, &back, &scratch);
+    LightOff path = compare(&at_once, &there), drift = compare(&begun, &back);
     printf("%s: after 24 states %.4f %% off in the mean, %.3f %% at p99; back %.4f %%, %.3f %%\n",
            day ? "day" : "night", 100 * path.mean, 100 * path.p99, 100 * drift.mean, 100 * drift.p99);
     cr_expect(path.mean < 1e-3 && path.p99 < 1e-2);
@@ -174,7 +157,7 @@ Test(relight, small_steps_do_not_add_up, .timeout = 240) {
         arena_free(&gone);
     }
     RadSolution at_once = state(other, 0.6F, lit, &scratch);
-    Off off = compare(&at_once, &there, &scratch);
+    LightOff off = compare(&at_once, &there);
     printf("after %d small steps %.4f %% off in the mean, %.3f %% at p99\n", STEPS, 100 * off.mean,
            100 * off.p99);
     cr_expect(off.mean < 1e-3 && off.p99 < 1e-2);
@@ -269,7 +252,7 @@ static void check_changes(bool day) {
         arena_free(&gone);
     }
     cr_assert(relight_state(&l->relight, first, full, NULL, &scratch, &back, NULL));
-    Off drift = compare(&begun, &back, &scratch);
+    LightOff drift = compare(&begun, &back);
     printf("%s: after %d changes of five doors and back %.4f %% off in the mean, %.3f %% at p99\n",
            day ? "day" : "night", steps, 100 * drift.mean, 100 * drift.p99);
     cr_expect(drift.mean < 1e-3 && drift.p99 < 1e-2);

@@ -2,6 +2,8 @@
 // Immel & Brock 1986; T-vertices anchored: Baum, Mann, Smith & Winget 1991).
 #include "radiosity/mesh/mesh.h"
 
+#include <string.h>
+
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "maps/building/building.h"
@@ -75,7 +77,7 @@ static void add_face(MeshBuilder *builder, FaceList *list, int object, int polyg
         return;
     }
     if (polygon >= 0) mesh->face_of[polygon] = mesh->face_count;
-    Face *face = ARENA_PUSH(builder->arena, mesh->faces, mesh->face_count, list->face_capacity);
+    Face *face = ARENA_APPEND(builder->arena, mesh->faces, mesh->face_count, list->face_capacity);
     *face = (Face){.polygon = polygon,
                    .object = object,
                    .material = p->material,
@@ -129,6 +131,29 @@ static void add_faces(MeshBuilder *builder, FaceList *list) {
     }
 }
 
+static void *copy(Arena *arena, const void *from, size_t count, size_t size) {
+    return memcpy(arena_alloc(arena, count + 1, size), from, count * size);
+}
+
+// Once all elements are made: their corners and vertices are copied out of the builder's memory, and no array has room for more.
+static void fit(MeshBuilder *b, const FaceList *list) {
+    Mesh *mesh = b->mesh;
+    if (mesh->options.loose)
+        mesh->corners = copy(b->arena, mesh->corners, (size_t)mesh->corner_count, sizeof *mesh->corners);
+    else
+        mesh_anchor_elements(b);
+    mesh->vertex_count = b->places.count;
+    mesh->vertices = copy(b->arena, b->places.points, (size_t)b->places.count, sizeof *mesh->vertices);
+    mesh->faces =
+        arena_fit(b->arena, mesh->faces, sizeof *mesh->faces, mesh->face_count, list->face_capacity);
+    mesh->elements =
+        arena_fit(b->arena, mesh->elements, sizeof *mesh->elements, mesh->element_count, b->element_capacity);
+    mesh->patches =
+        arena_fit(b->arena, mesh->patches, sizeof *mesh->patches, mesh->patch_count, b->patch_capacity);
+    mesh->shared =
+        arena_fit(b->arena, mesh->shared, sizeof *mesh->shared, mesh->shared_count, b->shared_capacity);
+}
+
 bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOptions *options, Arena *arena,
                 Mesh *out, Error *error) {
     CORE_ASSERT(options->element >= 0.01 && options->element <= 100);
@@ -138,7 +163,7 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
     const char *source = graph->building->source;
     MeshBuilder builder = {.mesh = out, .arena = arena};
     FaceList list = {0};
-    places_start(&builder.places, arena);
+    places_start(&builder.places, &builder.scratch);
     add_faces(&builder, &list);
     double most = options->splits ? MOST_SQUARES_SPLIT : MOST_SQUARES;
     bool fits = list.elements <= most, few_cuts = true;
@@ -147,9 +172,7 @@ bool mesh_build(const CellGraph *graph, const float *door_open, const MeshOption
         few_cuts = mesh_find_cuts(&builder) && mesh_cut_faces(&builder);
     }
     if (fits && few_cuts && out->face_count > 0) {
-        if (!options->loose) mesh_anchor_elements(&builder);
-        out->vertices = builder.places.points;
-        out->vertex_count = builder.places.count;
+        fit(&builder, &list);
         mesh_find_reflectances(out, arena);
         mesh_free_centres(out);
         mesh_find_moving(out, arena);

@@ -635,7 +635,7 @@ static void add_piece_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth,
     for (int i = 0; i < piece->count; i++) {
         int place = places_add(&builder->places, vec3_add(c->face->origin, piece->v[i]));
         if (mesh->corner_count > first && mesh->corners[mesh->corner_count - 1] == place) continue;
-        *ARENA_PUSH(builder->arena, mesh->corners, mesh->corner_count, builder->corner_capacity) = place;
+        *ARENA_APPEND(&builder->scratch, mesh->corners, mesh->corner_count, builder->corner_capacity) = place;
     }
     while (mesh->corner_count > first + 1 && mesh->corners[mesh->corner_count - 1] == mesh->corners[first])
         mesh->corner_count--;
@@ -645,7 +645,7 @@ static void add_piece_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth,
     }
     double area = polygon_area(piece->v, piece->count);
     piece->element = mesh->element_count;
-    *ARENA_PUSH(builder->arena, mesh->elements, mesh->element_count, builder->element_capacity) =
+    *ARENA_APPEND(builder->arena, mesh->elements, mesh->element_count, builder->element_capacity) =
         (Element){c->index, mesh->patch_count, first, mesh->corner_count - first, depth, area};
     add_centroid(piece->v, piece->count, c->face->plane.n, &to->moment, &to->weight);
     to->patch.area += area;
@@ -659,7 +659,7 @@ static void finish_patch(MeshCutting *c, Growing *growing, Vec3 centre) {
     Vec3 n = c->face->plane.n;
     centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, centre)));
     growing->patch.centre = vec3_add(c->face->origin, centre);
-    *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) =
+    *ARENA_APPEND(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) =
         growing->patch;
 }
 
@@ -722,7 +722,7 @@ static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
 
 static void push_shared(MeshCutting *c, int number) {
     Mesh *mesh = c->builder->mesh;
-    *ARENA_PUSH(c->builder->arena, mesh->shared, mesh->shared_count, c->builder->shared_capacity) = number;
+    *ARENA_APPEND(c->builder->arena, mesh->shared, mesh->shared_count, c->builder->shared_capacity) = number;
 }
 
 // Stores the elements of a leaf's pieces in Mesh.shared, the largest first; returns the entry of Mesh.squares for the leaf's squares.

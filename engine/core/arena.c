@@ -28,7 +28,8 @@ static void allow(const void *from, size_t size) { (void)from, (void)size; }
 #endif
 
 static const size_t FIRST_BLOCK = 64 * 1024;
-static const size_t LARGEST_GROWTH = 64 * 1024 * 1024;
+// In a file (memory_use_file) all of a block takes room, touched or not.
+static const size_t LARGEST_GROWTH = 64 * 1024 * 1024, LARGEST_IN_FILE = 2 * 1024 * 1024;
 // Pieces from this size on have blocks of their own.
 static const size_t LARGE_PIECE = GAP > 0 ? 0 : 1024 * 1024;
 
@@ -51,8 +52,9 @@ static ArenaBlock *new_arena_block(size_t size, bool dense) {
 }
 
 static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
-    size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
-    if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
+    size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK,
+           most = memory_in_file() ? LARGEST_IN_FILE : LARGEST_GROWTH;
+    if (size > most) size = most;
     // Close to the memory limit, no block is much larger than needed.
     while (size / 2 > least && !memory_fits(size)) size /= 2;
     ArenaBlock *block = new_arena_block(size < least ? least : size, arena->dense);

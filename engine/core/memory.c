@@ -13,6 +13,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "engine/core/page_file.h"
+
 static const size_t MEGABYTE = (size_t)1 << 20;
 
 // A process has one memory, so the state of this file is global.
@@ -226,6 +228,11 @@ bool memory_fits(size_t bytes) {
     return memory_used() + bytes <= atomic_load_explicit(&allowed, memory_order_relaxed);
 }
 
+size_t memory_left(void) {
+    size_t limit = atomic_load_explicit(&allowed, memory_order_relaxed), now = memory_used();
+    return now < limit ? limit - now : 0;
+}
+
 bool memory_runs_short(void) {
     size_t limit = atomic_load_explicit(&allowed, memory_order_relaxed);
     return memory_used() > limit - limit / 8;
@@ -237,22 +244,80 @@ static bool affordable(size_t bytes) {
     return memory_used() + bytes <= atomic_load_explicit(&most, memory_order_relaxed);
 }
 
-static void *count(void *memory) {
-    size_t size = malloc_usable_size(memory);
+static void count_bytes(size_t size) {
     size_t now = atomic_fetch_add_explicit(&used, size, memory_order_relaxed) + size;
     size_t highest = atomic_load_explicit(&peak, memory_order_relaxed);
     while (now > highest && !atomic_compare_exchange_weak(&peak, &highest, now)) continue;
+}
+
+static void uncount_bytes(size_t size) { atomic_fetch_sub_explicit(&used, size, memory_order_relaxed); }
+
+static void *count(void *memory) {
+    count_bytes(malloc_usable_size(memory));
     return memory;
 }
 
-static void uncount(void *memory) {
-    atomic_fetch_sub_explicit(&used, malloc_usable_size(memory), memory_order_relaxed);
+// ---- memory in files
+
+// The file of this thread, and pieces from which size on lie there: arenas take no smaller ones.
+static _Thread_local PageFile *own_file;
+static const size_t LEAST_IN_FILE = 32 * 1024;
+
+PageFile *memory_use_file(PageFile *file) {
+    PageFile *before = own_file;
+    own_file = file;
+    return before;
+}
+
+bool memory_in_file(void) { return own_file != NULL; }
+
+static void *take_from_file(size_t bytes) {
+    void *memory = granted() ? page_file_take(own_file, bytes) : NULL;
+    if (!memory) memory_end(bytes);
+    if (!page_file_asleep(own_file)) count_bytes(page_file_size(memory));
+    return memory;
+}
+
+static void give_to_file(void *memory, PageFile *file) {
+    if (!page_file_asleep(file)) uncount_bytes(page_file_size(memory));
+    page_file_give(memory);
+}
+
+void memory_sleep(PageFile *file) {
+    if (!page_file_asleep(file)) uncount_bytes(page_file_used(file));
+    page_file_set_asleep(file, true);
+}
+
+void memory_wake(PageFile *file) {
+    size_t bytes = page_file_used(file);
+    if (!page_file_asleep(file)) return;
+    if (!affordable(bytes)) end_over();
+    page_file_set_asleep(file, false);
+    count_bytes(bytes);
+}
+
+void memory_leave_file(PageFile *file) {
+    if (!file) return;
+    memory_sleep(file);
+    page_file_free(file);
+}
+
+bool memory_half_resident(void) {
+    char text[256];
+    size_t whole, pages;
+    int fd = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    ssize_t length = fd < 0 ? -1 : read(fd, text, sizeof text - 1);
+    if (fd >= 0) close(fd);
+    text[length > 0 ? length : 0] = 0;
+    return sscanf(text, "%zu %zu", &whole, &pages) != 2 ||
+           pages > atomic_load_explicit(&allowed, memory_order_relaxed) / 2 / (size_t)sysconf(_SC_PAGESIZE);
 }
 
 // ---- requests
 
 void *memory_new(size_t bytes) {
     if (!affordable(bytes)) end_over();
+    if (own_file && bytes >= LEAST_IN_FILE) return take_from_file(bytes);
     void *memory = granted() ? malloc(bytes ? bytes : 1) : NULL;
     if (!memory) memory_end(bytes);
     return count(memory);
@@ -260,12 +325,21 @@ void *memory_new(size_t bytes) {
 
 void *memory_new_zeroed(size_t bytes) {
     if (!affordable(bytes)) end_over();
+    if (own_file && bytes >= LEAST_IN_FILE) return take_from_file(bytes);
     void *memory = granted() ? calloc(1, bytes ? bytes : 1) : NULL;
     if (!memory) memory_end(bytes);
     return count(memory);
 }
 
 void *memory_grow(void *old, size_t bytes) {
+    PageFile *file = old ? page_file_of(old) : NULL;
+    if (file) {
+        size_t there = page_file_size(old);
+        void *larger = memory_new(bytes);
+        memcpy(larger, old, there < bytes ? there : bytes);
+        give_to_file(old, file);
+        return larger;
+    }
     size_t before = malloc_usable_size(old);
     if (bytes > before && !affordable(bytes - before)) end_over();
     void *memory = granted() ? realloc(old, bytes ? bytes : 1) : NULL;
@@ -275,8 +349,10 @@ void *memory_grow(void *old, size_t bytes) {
 }
 
 void memory_free(void *memory) {
-    if (!memory) return;
-    uncount(memory);
+    PageFile *file = memory ? page_file_of(memory) : NULL;
+    if (file) give_to_file(memory, file);
+    if (!memory || file) return;
+    uncount_bytes(malloc_usable_size(memory));
     free(memory);
 }
 

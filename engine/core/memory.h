@@ -16,6 +16,7 @@ void *memory_new(size_t bytes);              // never NULL; not zeroed
 void *memory_new_zeroed(size_t bytes);       // never NULL; large pieces come from the system, untouched
 void *memory_grow(void *old, size_t bytes);  // as realloc, but never NULL
 bool memory_fits(size_t bytes);              // is a request for `bytes` within the budget?
+size_t memory_left(void);                    // bytes until the budget is used up
 bool memory_runs_short(void);                // is more than 7/8 of the budget in use?
 void memory_free(void *memory);              // NULL is allowed
 // All of this memory, which comes from here and was not touched yet, will be written: the system may give it large pages, which are
@@ -26,6 +27,21 @@ _Noreturn void memory_end(size_t bytes);  // ends the program: no memory for `by
 
 // Ends the program: the library of this name reports that it found no memory.
 _Noreturn void memory_end_library(const char *name);
+
+// ---- memory of somebody who waits for long
+
+typedef struct PageFile PageFile;  // page_file.h
+// Large pieces that this thread asks for from now on, and its loops on several threads (parallel.h), lie in this file; NULL: as ever.
+// Returns the file before.
+PageFile *memory_use_file(PageFile *file);
+bool memory_in_file(void);  // does this thread use one?
+// All that lies in the file counts no more as bytes in use until memory_wake, which ends the program where it finds no memory for that.
+// Its pages leave the process by page_file_drop; those that are read meanwhile come back by themselves.
+void memory_sleep(PageFile *file);
+void memory_wake(PageFile *file);
+void memory_leave_file(PageFile *file);  // frees it with all that lies there; NULL is allowed
+// Does the process have pages of more than half of the budget? True where the system does not tell.
+bool memory_half_resident(void);
 
 // Bytes in use now, and the most that were in use at any time. Memory that libraries request themselves is not counted.
 size_t memory_used(void);

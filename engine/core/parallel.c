@@ -7,6 +7,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+#include "engine/core/memory.h"
+
 enum { MOST_THREADS = 256 };
 
 typedef struct Loop {
@@ -14,6 +16,7 @@ typedef struct Loop {
     void *context;
     int count;
     atomic_int next;
+    PageFile *file;  // of the thread that waits for the loop
 } Loop;
 
 typedef struct Worker {
@@ -30,6 +33,7 @@ int parallel_threads(int wanted) {
 static void *work(void *argument) {
     const Worker *worker = argument;
     Loop *loop = worker->loop;
+    memory_use_file(loop->file);
     for (int i; (i = atomic_fetch_add(&loop->next, 1)) < loop->count;)
         loop->body(loop->context, i, worker->thread);
     return 0;
@@ -40,6 +44,7 @@ void parallel_for(int threads, int count, void (*body)(void *context, int index,
     Worker workers[MOST_THREADS];
     pthread_t handles[MOST_THREADS];
     int started = 1;
+    loop.file = memory_use_file(NULL);
     if (threads > count) threads = count;
     // If a thread cannot be started, the loop runs on the threads that were started before.
     for (; started < threads && started < MOST_THREADS; started++) {

@@ -4,6 +4,8 @@
 
 #include <pthread.h>
 
+#include "engine/core/memory.h"
+#include "engine/core/page_file.h"
 #include "engine/team/team_ranks.h"
 
 // A member at a meeting: it brings bytes, and takes those of others with it.
@@ -20,7 +22,8 @@ typedef struct Team {
     int turn;               // the member that works, -1: none does yet
     bool off;               // none will
     long long sent;
-    Seat *seats;  // [count] of this process's members
+    Seat *seats;          // [count] of this process's members
+    TeamMember *members;  // [count] the same
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     void (*work)(void *context, TeamMember *member);
@@ -31,6 +34,7 @@ struct TeamMember {
     Team *team;
     int index;
     pthread_t thread;
+    PageFile *file;
 };
 
 int team_count(const TeamMember *member) { return member->team->count; }
@@ -41,10 +45,24 @@ long long team_sent(const TeamMember *member) { return member->team->sent; }
 
 static int first_of_rank(int count, int rank) { return (int)((long long)count * rank / team_ranks()); }
 
-static void hand_over(Seat *to, int from, TeamBytes letter) {
-    void *copy = arena_alloc(to->arena, letter.size + 1, 1);
+// Nobody works: all that members have goes, once it is much. What waits for another short turn stays where it is.
+static void let_sleep(const Team *team) {
+    if (!team->members[team->first].file || !memory_half_resident()) return;
+    for (int m = team->first; m < team->end; m++) page_file_drop(team->members[m].file);
+}
+
+// Room for a member that sleeps, where its memory lies.
+static void *room_of(const Team *team, int member, size_t count, size_t size) {
+    PageFile *own = memory_use_file(team->members[member].file);
+    void *room = arena_alloc(team->seats[member].arena, count, size);
+    memory_use_file(own);
+    return room;
+}
+
+static void hand_over(const Team *team, int to, int from, TeamBytes letter) {
+    void *copy = room_of(team, to, letter.size + 1, 1);
     if (letter.size > 0) memcpy(copy, letter.data, letter.size);
-    to->got[from] = (TeamBytes){copy, letter.size};
+    team->seats[to].got[from] = (TeamBytes){copy, letter.size};
 }
 
 static TeamBytes letter_of(const Seat *from, int to) {
@@ -80,7 +98,7 @@ static void unpack(Team *team, int rank, const char *from) {
             TeamBytes letter;
             memcpy(&letter.size, from, sizeof letter.size);
             letter.data = from + sizeof letter.size;
-            hand_over(&team->seats[to], sender, letter);
+            hand_over(team, to, sender, letter);
             if (each || to + 1 == team->end) from += sizeof letter.size + letter.size;
         }
     }
@@ -90,10 +108,10 @@ static void unpack(Team *team, int rank, const char *from) {
 static void carry_letters(Team *team) {
     int ranks = team_ranks(), own = team_rank();
     for (int to = team->first; to < team->end; to++) {
-        Seat *seat = &team->seats[to];
-        seat->got = arena_alloc(seat->arena, (size_t)team->count, sizeof *seat->got);
+        team->seats[to].got = room_of(team, to, (size_t)team->count, sizeof(TeamBytes));
         for (int from = team->first; from < team->end; from++)
-            hand_over(seat, from, letter_of(&team->seats[from], to));
+            hand_over(team, to, from, letter_of(&team->seats[from], to));
+        let_sleep(team);
     }
     for (int step = 1; step < ranks; step++) {
         Arena scratch = {0};
@@ -119,10 +137,13 @@ static const TeamBytes *meet(TeamMember *member, Seat seat) {
     pthread_mutex_lock(&team->mutex);
     team->seats[member->index] = seat;
     bool last = member->index + 1 == team->end;
+    if (member->file) memory_sleep(member->file);
     if (last) carry_letters(team);
+    let_sleep(team);
     team->turn = last ? team->first : member->index + 1;
     pthread_cond_broadcast(&team->changed);
     wait_for_turn(team, member->index);
+    if (member->file) memory_wake(member->file);
     const TeamBytes *got = team->seats[member->index].got;
     pthread_mutex_unlock(&team->mutex);
     return got;
@@ -142,8 +163,14 @@ static void *take_part(void *context) {
     pthread_mutex_lock(&team->mutex);
     while (team->turn != member->index && !team->off) pthread_cond_wait(&team->changed, &team->mutex);
     pthread_mutex_unlock(&team->mutex);
-    if (team->off) return NULL;
+    if (team->off) {
+        page_file_free(member->file);
+        return NULL;
+    }
+    memory_use_file(member->file);
     team->work(team->context, member);
+    memory_use_file(NULL);
+    memory_leave_file(member->file);
     pthread_mutex_lock(&team->mutex);
     team->turn = member->index + 1;
     pthread_cond_broadcast(&team->changed);
@@ -154,7 +181,8 @@ static void *take_part(void *context) {
 // Members are as deep in calls as the whole program is.
 static const size_t STACK = (size_t)8 << 20;
 
-bool team_run(int count, void (*work)(void *context, TeamMember *member), void *context, Error *error) {
+bool team_run(int count, void (*work)(void *context, TeamMember *member), void *context, const char *folder,
+              Error *error) {
     Arena arena = {0};
     Team team = {.count = count,
                  .first = first_of_rank(count, team_rank()),
@@ -163,7 +191,7 @@ bool team_run(int count, void (*work)(void *context, TeamMember *member), void *
                  .seats = ARENA_ARRAY(&arena, Seat, count),
                  .work = work,
                  .context = context};
-    TeamMember *members = ARENA_ARRAY(&arena, TeamMember, count);
+    TeamMember *members = team.members = ARENA_ARRAY(&arena, TeamMember, count);
     pthread_attr_t attributes;
     CORE_ASSERT(team.first < team.end);
     pthread_mutex_init(&team.mutex, NULL);
@@ -172,8 +200,13 @@ bool team_run(int count, void (*work)(void *context, TeamMember *member), void *
     pthread_attr_setstacksize(&attributes, STACK);
     int started = team.first;
     for (; started < team.end; started++) {
-        members[started] = (TeamMember){.team = &team, .index = started};
-        if (pthread_create(&members[started].thread, &attributes, take_part, &members[started]) != 0) break;
+        TeamMember *member = &members[started];
+        *member = (TeamMember){.team = &team, .index = started};
+        if (folder && !(member->file = page_file_new(folder, error))) break;
+        if (pthread_create(&member->thread, &attributes, take_part, member) == 0) continue;
+        error_set(error, "there are too few threads for %d groups of cells", count);
+        page_file_free(member->file);
+        break;
     }
     bool good = started == team.end;
     pthread_mutex_lock(&team.mutex);
@@ -186,7 +219,7 @@ bool team_run(int count, void (*work)(void *context, TeamMember *member), void *
     pthread_cond_destroy(&team.changed);
     pthread_mutex_destroy(&team.mutex);
     arena_free(&arena);
-    return good || error_set(error, "there are too few threads for %d groups of cells", count);
+    return good;
 }
 
 // ---- sums

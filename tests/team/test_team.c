@@ -2,7 +2,9 @@
 #include <criterion/criterion.h>
 #include <string.h>
 
+#include "engine/core/memory.h"
 #include "engine/team/team.h"
+#include "tests/support/support.h"
 
 enum { MEMBERS = 5 };
 
@@ -52,7 +54,7 @@ static void take_part(void *context, TeamMember *member) {
 Test(team, sums_and_letters) {
     Seen seen = {0};
     Error error;
-    cr_assert(team_run(MEMBERS, take_part, &seen, &error), "%s", error.text);
+    cr_assert(team_run(MEMBERS, take_part, &seen, NULL, &error), "%s", error.text);
     for (int i = 0; i < MEMBERS; i++) {
         cr_expect_eq(seen.sum[i], 4, "member %d has the sum %g", i, seen.sum[i]);
         cr_expect_eq(seen.most[i], 1e16);
@@ -61,4 +63,46 @@ Test(team, sums_and_letters) {
     }
     cr_expect_eq(seen.most_at_once, 1);
     cr_expect_eq(team_ranks(), 1);
+}
+
+// A member with numbers that nobody else has, which it finds again after each meeting.
+static void sleep_and_wake(void *context, TeamMember *member) {
+    enum { COUNT = 400000, MEETINGS = 6 };
+    bool *good = context;
+    Arena arena = {0}, letters = {0};
+    int own = team_index(member), *number = ARENA_ARRAY(&arena, int, COUNT);
+    good[own] = true;
+    for (int i = 0; i < COUNT; i++) number[i] = own * COUNT + i;
+    for (int m = 0; m < MEETINGS; m++) {
+        TeamBytes to[MEMBERS];
+        for (int i = 0; i < MEMBERS; i++) to[i] = (TeamBytes){number + 1000 * i, 1000 * sizeof *number};
+        const TeamBytes *from = team_exchange(member, to, &letters);
+        for (int i = 0; i < MEMBERS; i++)
+            good[own] = good[own] && from[i].size == 1000 * sizeof *number &&
+                        ((const int *)from[i].data)[999] == i * COUNT + 1000 * own + 999;
+        for (int i = 0; i < COUNT; i++) good[own] = good[own] && number[i] == own * COUNT + i;
+    }
+    arena_free(&letters);
+    arena_free(&arena);
+}
+
+// Proves that members that sleep find all as it was, and letters that came meanwhile, also where the budget is so small that the memory of
+// all others leaves the process at each meeting; that the budget is that of one of them, of 2 MB each; and that nothing of it stays.
+Test(team, members_sleep) {
+    bool good[MEMBERS] = {0};
+    Arena arena = {0};
+    Error error;
+    const char *folder = support_folder(&arena);
+    size_t before = memory_used();
+    MemoryBudget budget = {
+        .file = "test", .remedy = "none", .base = before + (4 << 20), .most = before + (4 << 20)};
+    memory_set_budget(&budget);
+    bool ran = team_run(MEMBERS, sleep_and_wake, good, folder, &error);
+    memory_set_budget(NULL);
+    cr_assert(ran, "%s", error.text);
+    for (int i = 0; i < MEMBERS; i++) cr_expect(good[i], "member %d", i);
+    cr_expect_eq(memory_used(), before);
+    cr_expect_not(team_run(MEMBERS, sleep_and_wake, good, "/nowhere/at/all", &error));
+    cr_expect(strstr(error.text, "/nowhere/at/all"), "%s", error.text);
+    arena_free(&arena);
 }

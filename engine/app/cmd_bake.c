@@ -37,6 +37,7 @@ typedef struct BakeArguments {
     double seconds;
     // In parts of so many cells at most; 0: as a whole. What was found is kept every so many seconds; 0: every DEFAULT_CHECKPOINT.
     int parts;
+    bool apart;  // and stored so
     double checkpoint;
     Probes probes;
     // The file that probes were read from, the last one; NULL: none.
@@ -67,6 +68,7 @@ typedef struct Bake {
     RadOptions rad;  // as asked for, or as fits the mesh
     RadReport report;
     PartsReport parts;          // of a bake in parts
+    bool apart;                 // whose light is not joined: there are no mesh and solution, but for sums
     DirectSources *sources;     // of the light of each lamp, or NULL
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
     double start;               // of all, on the clock
@@ -296,9 +298,22 @@ static bool store(const Bake *bake, Error *error) {
            (!model || export_glb(model, &bake->fine->mesh, &bake->shown, bake->doors, error));
 }
 
+// Is anything asked for that only the light of the whole has?
+static bool asks_for_whole(const BakeArguments *a) {
+    return a->each || a->final_gather || a->seconds > 0 || a->bake.rad.shots > 0 || a->model ||
+           a->probes.count > 0;
+}
+
+// A building whose light does not fit in memory is baked and stored in parts, unless the whole is asked for.
+static bool goes_apart(const Bake *bake) {
+    const BakeArguments *a = bake->a;
+    return bake->out && (a->apart || (!asks_for_whole(a) && bake_parts_are_needed(&a->bake, &bake->scene)));
+}
+
 static int part_cells(const Bake *bake) {
-    if (bake->a->parts > 0 || !team_is_started()) return bake->a->parts;
-    return bake_parts_cells(&bake->scene.graph);
+    if (bake->a->parts > 0) return bake->a->parts;
+    if (goes_apart(bake)) return bake_parts_cells_apart();
+    return team_is_started() ? bake_parts_cells(&bake->scene.graph) : 0;
 }
 
 // How often the light of parts is kept, seconds, if nothing else is asked for: the files of ten thousand rooms take some seconds.
@@ -314,7 +329,8 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     Progress progress = {report_timed, &timed};
     PartsKeep keep = {.folder = bake->out ? kept_folder(bake->out, arena) : NULL,
                       .seconds = a->checkpoint > 0 ? a->checkpoint : DEFAULT_CHECKPOINT,
-                      .resume = a->resume};
+                      .resume = a->resume,
+                      .apart = goes_apart(bake) ? bake->out : NULL};
     bool good = bake_parts(&options, &bake->scene, part_cells(bake), keep.folder ? &keep : NULL, &progress,
                            arena, &bake->doors, &bake->mesh, &bake->solution, &bake->parts, error);
     app_progress_end();
@@ -326,13 +342,20 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     bake->report = bake->parts.rad;
     bake->shoot_seconds = clock_seconds() - start;
     bake->rad = a->bake.rad;
+    bake->apart = keep.apart != NULL;
     if (!good || team_rank() > 0) return good;
+    if (bake->apart) {
+        Mesh sized = {.patch_count = (int)bake->parts.patches, .element_count = (int)bake->parts.elements};
+        rad_fit(&sized, &bake->rad);
+        bake->solution = bake->parts.power;
+        return true;
+    }
     rad_fit(&bake->mesh, &bake->rad);
     if (!bake->solution.node)
         app_warn("the mesh that shows the light of all parts would be too large: shadows are as coarse as "
                  "elements");
     good = check_room(bake, error) && light_fine(bake, arena, error) && store(bake, error);
-    if (good && keep.folder) kept_remove(keep.folder, INT_MAX);
+    if (good && keep.folder) kept_remove(keep.folder, INT_MAX, 0);
     return good;
 }
 
@@ -378,6 +401,17 @@ static double lamp_power(const Mesh *mesh) {
     return power;
 }
 
+// The same where light was not joined.
+static void add_sums(json_t *facts, const PartsReport *parts) {
+    json_object_set_new(facts, "polygons", json_integer((json_int_t)parts->polygons));
+    json_object_set_new(facts, "patches", json_integer((json_int_t)parts->patches));
+    json_object_set_new(facts, "elements", json_integer((json_int_t)parts->elements));
+    json_object_set_new(facts, "nodes", json_integer((json_int_t)parts->nodes));
+    if (daylight_shines(&parts->power.day))
+        json_object_set_new(facts, "sky_w",
+                            json_real(fmax(rgb_sum(parts->power.emitted) - parts->lamp_watts, 0)));
+}
+
 static void add_proxies(json_t *facts, const Proxies *proxies) {
     json_object_set_new(facts, "proxy_objects", json_integer(proxies ? proxies->object_count : 0));
     json_object_set_new(facts, "proxy_polygons_before", json_integer(proxies ? proxies->replaced_count : 0));
@@ -409,6 +443,7 @@ static json_t *facts_of(const Bake *bake) {
         daylight_shines(&s->day) ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);
+    if (bake->apart) add_sums(facts, &bake->parts);
     json_object_set_new(facts, "lamps", json_integer(bake->scene.lamps.count));
     json_object_set_new(facts, "lamps_known", json_integer(s->each ? s->lamp_count : 0));
     json_object_set_new(facts, "lamps_mb", json_real((double)each_lamp_bytes(s) / (1 << 20)));
@@ -735,6 +770,13 @@ static const Option ROWS[] = {
          "in parts of so many cells at most, one after the other or, in a program made by `make mpi=1` and "
          "started by mpirun, side by side: then the default is an eighth of the cells, 16 to 1024. The parts "
          "decide the light, not the number of processes"},
+    {.name = "apart",
+     .type = OPTION_FLAG,
+     .at = AT(apart),
+     .help =
+         "store the light in parts: OUT.rad names those in the folder OUT.rad.parts; parts that wait lie on "
+         "the disk, so a building of any size fits in --memory; walks and pictures read the part where "
+         "the eye is. The default where the whole does not fit"},
     {.name = "checkpoint",
      .value = "S",
      .type = OPTION_NUMBER,
@@ -789,7 +831,9 @@ static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {
     if ((code = app_check_day("bake", &b->load.day)) != APP_GOOD) return code;
     b->each = b->load.lamp_state && strcmp(b->load.lamp_state, "each") == 0;
     if (b->each) b->load.lamp_state = NULL;
-    bool parts = b->parts > 0 || team_is_started();
+    bool parts = b->parts > 0 || b->apart || team_is_started();
+    if (b->apart && (b->model || b->probes.count > 0))
+        return app_misuse("bake", "bake: light that is stored in parts has no OUT.glb and no probes");
     if (!parts && b->checkpoint > 0)
         return app_misuse("bake", "bake: --checkpoint keeps the light of a bake in parts: give --parts");
     if (parts && (b->each || b->final_gather || b->seconds > 0 || b->bake.rad.shots > 0))

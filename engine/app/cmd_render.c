@@ -108,8 +108,27 @@ static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error 
     return good;
 }
 
+// The light of all that is seen from the eye.
+static bool read_part(Render *r, const LightOfParts *parts, Arena *arena, Error *error) {
+    double start = clock_seconds();
+    Vec3 eye = r->camera.eye;
+    int part = light_part_of(parts, vis_locate(&r->scene.graph, eye, -1));
+    WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
+    if (part < 0)
+        return error_set(error,
+                         "%s: there is no light about the eye at (%.2f, %.2f, %.2f), which is in no room",
+                         r->a->file, eye.x, eye.y, eye.z);
+    if (!light_load_part(parts, part, arena, light, error)) return false;
+    r->light = light;
+    r->seconds_light = clock_seconds() - start;
+    return true;
+}
+
 static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
     double start = clock_seconds();
+    const LightOfParts *parts;
+    if (!light_find_parts(&r->scene, arena, &parts, error)) return false;
+    if (parts) return read_part(r, parts, arena, error);
     bool good = light_find(&r->scene, r->a->load.light != NULL, arena, &r->light, error) &&
                 (r->light || bake_light(r, progress, arena, error));
     r->seconds_light = clock_seconds() - start;

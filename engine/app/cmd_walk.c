@@ -387,10 +387,11 @@ static bool find_hours(Arguments *a, const LoadedScene *scene, Arena *arena, Err
 static bool draw_lit(Arguments *a, const WalkScene *scene, Arena *arena, WalkTotals *totals, Error *error) {
     Arena room = {0}, hours[2] = {{0}};
     WalkLight baked = {0};
-    a->walk.light = (FilmLightSource){.light = scene->light, .lit = scene->scene->lit, .room = hours};
+    a->walk.light = (FilmLightSource){
+        .light = scene->light, .parts = scene->baker.parts, .lit = scene->scene->lit, .room = hours};
     bool good = find_hours(a, scene->scene, arena, error) &&
                 (!scene->baker.bake || bake_first(a, &scene->baker, &room, &baked, error));
-    const WalkLight *light = a->walk.light.light;
+    bool light = a->walk.light.light || a->walk.light.parts;
     if (a->walk.look == WALK_LOOKS) a->walk.look = light ? WALK_BAKED : WALK_FINE;
     if (good && a->walk.look == WALK_BAKED && !light)
         good =

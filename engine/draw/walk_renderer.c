@@ -79,6 +79,7 @@ struct WalkRenderer {
     WalkMesh *mesh;
     WalkLit *lit;           // NULL: no light was baked
     WalkLit *next;          // light on another mesh, which is being uploaded; NULL: there is none
+    bool ready;             // it is uploaded, or the next state on the same mesh
     const LitLight *light;  // the newest state that is uploaded whole, or NULL
     bool plain;             // one sample a pixel
     LitTone tone;
@@ -144,9 +145,24 @@ void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh) {
     *(w->lit ? &w->next : &w->lit) = lit;
 }
 
+bool walk_renderer_prepare(WalkRenderer *w, const LitLight *light, size_t bytes) {
+    if (!w->ready) w->ready = walk_lit_upload(w->next ? w->next : w->lit, light, bytes);
+    return w->ready;
+}
+
+void walk_renderer_drop(WalkRenderer *w) {
+    w->ready = false;
+    walk_lit_free(w->next);
+    w->next = NULL;
+    if (w->light) return;
+    walk_lit_free(w->lit);
+    w->lit = NULL;
+}
+
 bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
     CORE_ASSERT(!walk_renderer_fading(w));
-    if (!walk_lit_upload(w->next ? w->next : w->lit, light, bytes)) return false;
+    if (!walk_renderer_prepare(w, light, bytes)) return false;
+    w->ready = false;
     if (w->next) {
         walk_lit_free(w->lit);
         w->lit = w->next;

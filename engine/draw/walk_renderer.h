@@ -33,6 +33,10 @@ bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *
 // it until the next state is there. A state on another mesh takes the place of the one before at once, without a fade.
 void walk_renderer_expect(WalkRenderer *renderer, LitMesh *mesh);
 bool walk_renderer_take(WalkRenderer *renderer, const LitLight *light, size_t bytes);
+// A state that is not to be shown yet is uploaded by walk_renderer_prepare, true once it is there, for walk_renderer_take to show at once.
+// Or it is dropped, and so is a mesh whose first state was not taken.
+bool walk_renderer_prepare(WalkRenderer *renderer, const LitLight *light, size_t bytes);
+void walk_renderer_drop(WalkRenderer *renderer);
 void walk_renderer_fade(WalkRenderer *renderer, double seconds);  // advances the fade
 bool walk_renderer_fading(const WalkRenderer *renderer);
 const LitMesh *

@@ -5,6 +5,7 @@
 // The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
 #include "engine/lit/exposure.h"
 
+#include "engine/scene/light_level.h"
 #include "engine/shade/walk_shade.h"
 
 // A place of middling brightness gets this value before the curve of the screen; it is high because rooms are mostly light paint.
@@ -57,7 +58,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
             int f = mesh->face_of[p];
             if (f < 0 || (surfaces_only && plane_distance(lit->plane[p], camera->eye) <= 0)) continue;
             const Face *face = &mesh->faces[f];
-            if (in_room && lit_outdoors(mesh, face->first_element)) continue;
+            if (in_room && light_outdoors(mesh, face->first_element)) continue;
             for (int e = face->first_element; e < face->first_element + face->element_count; e++)
                 add_element_exposure(lit, light, camera, eye, face->plane.n, e, &sum);
         }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
+#include "engine/scene/light_level.h"
 #include "radiosity/show/reconstruct.h"
 
 // Where two faces lie in one place, the face that light does not reach is drawn this far behind, metres: more than depths are uncertain
@@ -225,22 +226,15 @@ static void find_doors(const Mesh *mesh, float *doors) {
     }
 }
 
-// By day it is far brighter outdoors: the level is that of the rooms, where there are any.
 static void fill_luminous(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
     const Mesh *mesh = lit->mesh;
-    const bool day = daylight_shines(&solution->day);
-    double weights[2] = {0, 0}, logs[2] = {0, 0};  // outdoors by day second
-    for (int e = 0; e < mesh->element_count; e++) {
-        double b = light_luminous(solution->radiosity[e]);
-        out->luminous[e] = material_emits(mesh_material(mesh, mesh->elements[e].face)) ? 0 : (float)b;
-        if (!(out->luminous[e] > 0)) continue;
-        double weight = mesh->elements[e].area * sqrt(b);
-        int where = day && lit_outdoors(mesh, e);
-        logs[where] += weight * log(b);
-        weights[where] += weight;
-    }
-    int where = !(weights[0] > 0);
-    out->level = weights[where] > 0 ? exp(logs[where] / weights[where]) : 0;
+    LightLevel level = {0};
+    for (int e = 0; e < mesh->element_count; e++)
+        out->luminous[e] = material_emits(mesh_material(mesh, mesh->elements[e].face))
+                               ? 0
+                               : (float)light_luminous(solution->radiosity[e]);
+    light_level_add(&level, mesh, solution);
+    out->level = light_level(&level);
 }
 
 // A histogram of areas by the value on them, in bins of a tenth of an octave, with the value 1 in the middle.

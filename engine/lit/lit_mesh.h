@@ -32,8 +32,7 @@ typedef struct LitLight {
     bool *on;            // [lamp_count] does the polygon of a lamp shine?
     float *luminous;     // [element_count] light_luminous of the element; 0 for lamps
     Daylight day;        // that shines; all zeros: night
-    double
-        level;  // logarithmic mean of `luminous`, by day indoors, weighted by area and root of light; 0: dark
+    double level;        // of the whole building (light_level.h), or of what the mesh has of it; 0: dark
     LightRange ranges[FALSE_COLOURS];  // a scale for each quantity, of all elements but lamps
     float *doors;                      // [opening_count] how far each door was open, where leaves were lit
 } LitLight;
@@ -44,12 +43,6 @@ Vec3 lit_origin(const CellGraph *graph);
 LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena);
 static inline int lit_vertex_count(const LitMesh *lit) {
     return lit->first_vertex[lit->mesh->graph->polygon_count];
-}
-
-// Does the element lie outdoors?
-static inline bool lit_outdoors(const Mesh *mesh, int element) {
-    int cell = mesh->patches[mesh->elements[element].patch].cell;
-    return cell >= 0 && vis_region(mesh->graph, cell)->kind == REGION_OUTDOORS;
 }
 
 // [face_count] For each face: does a face of a lower number lie in the same place, at least in part, and look the same way? Form factors

@@ -21,14 +21,24 @@ BakeOptions bake_default_options(void) {
     return o;
 }
 
-// The memory is that of the whole building: a bake in parts has only some of it at once.
-static bool check_size(const char *file, double side, const CellGraph *graph, bool in_parts, Error *error) {
-    double area = 0;
+static double count_elements(const CellGraph *graph, double side, double *area) {
+    *area = 0;
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
-        area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
+        *area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
     }
-    double elements = area / side / side + graph->polygon_count;
+    return *area / side / side + graph->polygon_count;
+}
+
+size_t bake_least_bytes(const BakeOptions *bake, const CellGraph *graph) {
+    double side = bake->mesh.element, area;
+    return (size_t)(LEAST_BYTES *
+                    count_elements(graph, side > 0 ? side : mesh_fitting_element(graph), &area));
+}
+
+// The memory is that of the whole building: a bake in parts has only some of it at once.
+static bool check_size(const char *file, double side, const CellGraph *graph, bool in_parts, Error *error) {
+    double area, elements = count_elements(graph, side, &area);
     if (elements > MOST_ELEMENTS)
         return error_set(
             error, "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",

@@ -20,6 +20,8 @@ typedef struct BakeOptions {
     TeamMember *member;
 } BakeOptions;
 BakeOptions bake_default_options(void);
+// Memory that the light of the whole building takes at least, bytes.
+size_t bake_least_bytes(const BakeOptions *options, const CellGraph *graph);
 
 // The doors, [opening_count], and the mesh that a bake begins with, or goes on with from the .rad file `resumed` (NULL: from
 // nothing). The scene was loaded with lamps. Refuses a scene without light, and too many elements; fails, "stopped", when progress

@@ -5,9 +5,12 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
+#include "engine/core/memory.h"
 #include "engine/scene/door_state.h"
 #include "engine/scene/kept_parts.h"
 #include "engine/scene/light.h"
+#include "engine/scene/light_level.h"
+#include "engine/scene/light_parts.h"
 #include "radiosity/mesh/parts.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
@@ -18,6 +21,7 @@ typedef struct PartsBake {
     const LoadedScene *scene;
     const PartsKeep *keep;
     const Progress *progress;
+    int cells;
     Parts parts;
     PartsReport *report;
     Arena *arena;             // of what the first member keeps
@@ -31,6 +35,33 @@ int bake_parts_cells(const CellGraph *graph) {
     return cells < PARTS_LEAST_CELLS  ? PARTS_LEAST_CELLS
            : cells > PARTS_MOST_CELLS ? PARTS_MOST_CELLS
                                       : cells;
+}
+
+// Memory of a part for each of its cells, bytes: 1.6 MB where parts have 420 cells of a generated campus, with all that is seen from them.
+static const size_t CELL_BYTES = (size_t)2 << 20;
+// Rows of light that stays apart take this part of the memory.
+enum { ROWS_APART = 32 };
+
+// The least of all processes, in `cells`.
+static void agree_cells(void *cells, TeamMember *member) {
+    double most = -*(const int *)cells;
+    team_most(member, &most, 1);
+    *(int *)cells = (int)-most;
+}
+
+int bake_parts_cells_apart(void) {
+    size_t fit = memory_left() / 2 / CELL_BYTES;
+    int cells = fit < PARTS_LEAST_CELLS  ? PARTS_LEAST_CELLS
+                : fit > PARTS_MOST_CELLS ? PARTS_MOST_CELLS
+                                         : (int)fit;
+    Error error;
+    // A process that cannot start a thread for this could not start those of its parts either, which is told then.
+    if (team_ranks() > 1) team_run(team_ranks(), agree_cells, &cells, NULL, &error);
+    return cells;
+}
+
+bool bake_parts_are_needed(const BakeOptions *options, const LoadedScene *scene) {
+    return !memory_fits(bake_least_bytes(options, &scene->graph));
 }
 
 // Did all members do it? Else all keep the first sentence of one that did not; who only heard of it says `stopped`.
@@ -61,6 +92,7 @@ typedef struct Keeper {
     const float *doors;
     int from, set;  // the set that light goes on from, 0: none; and the next one
     int kept;       // the last whole set
+    int spared;     // the set of earlier light that stays until the new one is whole, 0: none
     double due;     // on the clock
     bool off;
 } Keeper;
@@ -88,7 +120,13 @@ static bool begin_keeping(PartsBake *b, TeamMember *member, Keeper *out) {
     int from = 0;
     *out = (Keeper){.bake = b, .member = member, .off = !keep};
     if (!keep) return true;
+    LightParts before = {0};
+    if (first && keep->apart && light_parts_is(keep->apart))
+        light_parts_load(keep->apart, &b->scene->building, &before, &error);
+    out->spared = before.set;
     if (first && keep->resume) good = kept_find(keep->folder, b->parts.count, &from, &error);
+    if (good && from > 0 && from == before.set)
+        good = error_set(&error, "%s: its light is whole: there is nothing to go on from", keep->apart);
     double sets[2] = {from, first ? kept_last(keep->folder) + 1 : 0};
     team_most(member, sets, 2);
     out->from = out->kept = (int)sets[0];
@@ -103,6 +141,9 @@ static bool keeping_is_due(void *context) {
     return !k->off && team_index(k->member) == 0 && clock_seconds() >= k->due;
 }
 
+// Between two sets at least this many times the time passes that one takes.
+static const double TIMES_KEPT = 10;
+
 // Earlier sets go once this one is whole. What cannot be kept any more ends no bake.
 static void keep_light(void *context, const RadSolution *so_far) {
     Keeper *k = context;
@@ -110,12 +151,13 @@ static void keep_light(void *context, const RadSolution *so_far) {
     Arena scratch = {0};
     Error error = {""};
     int own = team_index(k->member);
+    double began = clock_seconds();
     if (k->off) return;
     const char *path = kept_file(b->keep->folder, k->set, own, b->parts.count, &scratch);
     bool good =
         file_make_folder(b->keep->folder, &error) && rad_save(path, k->mesh, k->doors, so_far, &error);
     good = agree(k->member, good, &error, &b->report->unkept);
-    if (good && own == 0) kept_remove(b->keep->folder, k->set);
+    if (good && own == 0) kept_remove(b->keep->folder, k->set, k->spared);
     if (good) {
         k->kept = k->set;
         prepare_last_words(k);
@@ -123,7 +165,9 @@ static void keep_light(void *context, const RadSolution *so_far) {
     b->report->kept += good && own == 0;
     k->off = !good;
     k->set++;
-    k->due = clock_seconds() + b->keep->seconds;
+    // Large buildings do not spend their time with this.
+    double now = clock_seconds();
+    k->due = now + fmax(b->keep->seconds, TIMES_KEPT * (now - began));
     arena_free(&scratch);
 }
 
@@ -165,7 +209,9 @@ static RadOptions fit(const PartsBake *b, TeamMember *member, const Mesh *mesh) 
     whole.patch_count = (int)counts[0];
     whole.element_count = (int)counts[1];
     rad_fit(&whole, &rad);
-    rad.row_bytes /= (size_t)((b->parts.count + team_ranks() - 1) / team_ranks());
+    // Where members sleep, one has rows at a time.
+    if (!b->keep || !b->keep->apart)
+        rad.row_bytes /= (size_t)((b->parts.count + team_ranks() - 1) / team_ranks());
     double all = mesh->element_count;
     team_sum(member, &all, 1);
     b->report->elements_share = all / fmax(counts[1], 1);
@@ -197,6 +243,86 @@ static bool take_kept(PartsBake *b, const char *path, TeamMember *member, const 
     return all_did(b, member, good, &error);
 }
 
+// The first member gets the light of all.
+static void join(PartsBake *b, TeamMember *member, const Mesh *mesh, const RadSolution *solution,
+                 const float *doors, Arena *arena) {
+    Error error = {""};
+    bool first = team_index(member) == 0;
+    TeamBytes *to = ARENA_ARRAY(arena, TeamBytes, team_count(member));
+    if (!all_did(b, member, joined_pack(mesh, solution, doors, arena, &to[0], &error), &error)) return;
+    const TeamBytes *from = team_exchange(member, to, first ? b->arena : arena);
+    if (first) b->letter = from;
+}
+
+// ---- light that stays apart
+
+// The sums of all parts, of their own faces alone. Returns the level of the light.
+static double count_light(PartsBake *b, TeamMember *member, const Mesh *mesh, const RadSolution *solution) {
+    double sums[5] = {0};
+    for (int f = 0; f < mesh->face_count; f++) {
+        if (!mesh_owns(mesh, f)) continue;
+        sums[0]++;
+        sums[1] += mesh->faces[f].patch_count;
+        sums[2] += mesh->faces[f].element_count;
+        Rgb e = mesh_material(mesh, f)->emission;
+        for (int p = 0; p < mesh->faces[f].patch_count; p++)
+            sums[4] += ((double)e.r + (double)e.g + (double)e.b) *
+                       mesh->patches[mesh->faces[f].first_patch + p].area;
+    }
+    sums[3] = solution->node_count;
+    team_sum(member, sums, 5);
+    b->report->polygons = sums[0];
+    b->report->patches = sums[1];
+    b->report->elements = sums[2];
+    b->report->nodes = sums[3];
+    b->report->lamp_watts = sums[4];
+    if (team_index(member) == 0) b->report->power = *solution;
+    LightLevel level = {0};
+    light_level_add(&level, mesh, solution);
+    team_sum(member, level.weight, 2);
+    team_sum(member, level.log, 2);
+    return light_level(&level);
+}
+
+// Each part gets the light of all that it sees, and stores it. What the light was found on goes before: `found`.
+static bool store_apart(PartsBake *b, Keeper *keeper, Borders *borders, const Mesh *mesh,
+                        const RadSolution *solution, Arena *found) {
+    const LoadedScene *scene = b->scene;
+    TeamMember *member = keeper->member;
+    int own = team_index(member), parts = team_count(member), openings = scene->building.opening_count;
+    Arena arena = {0};
+    Error error = {""};
+    Mesh unlit;
+    RadSolution light;
+    TeamBytes *to = ARENA_ARRAY(&arena, TeamBytes, parts);
+    float *doors = ARENA_ARRAY(&arena, float, openings + 1);
+    memcpy(doors, keeper->doors, (size_t)openings * sizeof *doors);
+    double level = count_light(b, member, mesh, solution);
+    bool good = joined_pack_each(mesh, solution, doors, borders, found, to, &error);
+    if (!all_did(b, member, good, &error)) return false;
+    const TeamBytes *from = team_exchange(member, to, &arena);
+    arena_free(found);
+    MeshOptions options = b->options.mesh;
+    MeshPart part = part_of(&b->parts, &scene->forest, own, options.close, &arena);
+    options.part = &part;
+    good = joined_light(&scene->graph, &options, doors, from, parts, &arena, &unlit, &light, &error);
+    if (good) {
+        Mesh lit = scene_lit_mesh(scene, &unlit, &arena);
+        light.lit = scene->lit;
+        light.lamp_count = scene->lamps.count;
+        good = file_make_folder(b->keep->folder, &error) &&
+               rad_save(kept_file(b->keep->folder, keeper->set, own, parts, &arena), &lit, doors, &light,
+                        &error);
+    }
+    good = all_did(b, member, good, &error);
+    LightParts all = {b->cells, parts, keeper->set, level, scene->day};
+    if (good && own == 0) good = light_parts_save(b->keep->apart, &scene->building, &all, &error);
+    good = all_did(b, member, good, &error);
+    if (good && own == 0) kept_remove(b->keep->folder, keeper->set, 0);
+    arena_free(&arena);
+    return good;
+}
+
 static void bake_part(void *context, TeamMember *member) {
     PartsBake *b = context;
     const LoadedScene *scene = b->scene;
@@ -208,7 +334,6 @@ static void bake_part(void *context, TeamMember *member) {
     float *doors;
     RadSolution solution;
     RadReport report = {0};
-    TeamBytes letter = {0};
     bool first = team_index(member) == 0;
     // One member tells the user; when it stops, all do.
     const Progress *progress = first ? b->progress : NULL;
@@ -246,16 +371,13 @@ static void bake_part(void *context, TeamMember *member) {
         if (good) {
             bool shown = direct_show_apart(&lit, &scene->forest, doors, rad.threads, progress, &arena,
                                            &solution, NULL, borders, &report);
-            good = all_did(b, member, shown && joined_pack(&lit, &solution, doors, &arena, &letter, &error),
-                           &error);
+            good = all_did(b, member, shown, &error);
         }
-    }
-    if (good) {
-        TeamBytes *to = ARENA_ARRAY(&arena, TeamBytes, team_count(member));
-        to[0] = letter;
-        const TeamBytes *from = team_exchange(member, to, first ? b->arena : &arena);
-        if (first) b->letter = from;
-        b->report->rad = add_work(member, report);
+        if (good) b->report->rad = add_work(member, report);
+        if (good && b->keep && b->keep->apart)
+            store_apart(b, &keeper, borders, &lit, &solution, &arena);
+        else if (good)
+            join(b, member, &lit, &solution, doors, &arena);
     }
     b->report->sent_mb = (double)team_sent(member) / 1e6;
     arena_free(&arena);
@@ -265,13 +387,15 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
                 const Progress *progress, Arena *arena, float **doors, Mesh *mesh, RadSolution *out,
                 PartsReport *report, Error *error) {
     Arena own = {0};
+    bool apart = keep && keep->apart;
     const CellGraph *graph = &scene->graph;
     *report = (PartsReport){.ranks = team_ranks()};
     PartsBake b = {.options = *options,
                    .scene = scene,
                    .keep = keep,
                    .progress = progress,
-                   .parts = parts_of(graph, cells, &own),
+                   .cells = cells,
+                   .parts = parts_of(graph, &scene->forest, cells, &own),
                    .report = report,
                    .arena = &own,
                    .good = true};
@@ -280,18 +404,22 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
     whole->proxies = proxies_find(graph, whole->proxy, arena);
     whole->threads = options->rad.threads;
     report->parts = b.parts.count;
+    // Rows of members that sleep take room on the disk, and as long to be read as to be made again.
+    if (apart && b.options.rad.row_bytes == RAD_ROWS_FIT)
+        b.options.rad.row_bytes = memory_left() / ROWS_APART;
     bool good =
         b.parts.count >= team_ranks() ||
         error_set(error,
                   "%s: has %d parts of %d cells at most, for %d processes: give --parts with fewer cells",
                   scene->building.source, b.parts.count, cells, team_ranks());
-    good = good && team_run(b.parts.count, bake_part, &b, error);
+    good = good && (!apart || file_make_folder(keep->folder, error)) &&
+           team_run(b.parts.count, bake_part, &b, apart ? keep->folder : NULL, error);
     team_last_words(NULL);
     if (good && !b.good) {
         *error = b.error;
         good = false;
     }
-    if (good && team_rank() == 0) {
+    if (good && team_rank() == 0 && !apart) {
         Mesh unlit;
         *doors = door_state_drawn(&scene->building, arena);
         good = (!options->doors || door_state_apply(&scene->building, options->doors, *doors, error)) &&

@@ -8,12 +8,16 @@
 // Parts have an eighth of the cells, but no fewer than the least and no more than the most.
 enum { PARTS_FITTING = 8, PARTS_LEAST_CELLS = 16, PARTS_MOST_CELLS = 1024 };
 int bake_parts_cells(const CellGraph *graph);
+// The same of light that stays apart: as many cells as the memory allows, of which one part is to take half.
+int bake_parts_cells_apart(void);
 
 // Light is kept while it is found, in a folder (kept_parts.h) that all processes see.
 typedef struct PartsKeep {
     const char *folder;
     double seconds;  // how often at most
     bool resume;     // goes on from what was kept there
+    // The light of each part stays there in the end, named by this .rad file (light_parts.h), and is not joined. NULL: it is joined.
+    const char *apart;
 } PartsKeep;
 
 // The work of a bake in parts.
@@ -25,9 +29,16 @@ typedef struct PartsReport {
     double
         elements_share;  // elements of all meshes, those of others that parts see included, over the elements of the whole
     double sent_mb;  // by this process to others
+    // Where light is not joined: how much there is of the whole, and its power, W.
+    double polygons, patches, elements, nodes, lamp_watts;
+    RadSolution power;  // sums alone
 } PartsReport;
 
-// Light to its end, shown, on the mesh of the whole building: `doors`, `mesh` and `out` are made in process 0 alone. `cells`: of a part at
+// Does the whole have so much light that it is to be found and stored in parts?
+bool bake_parts_are_needed(const BakeOptions *options, const LoadedScene *scene);
+
+// Light to its end, shown, on the mesh of the whole building: `doors`, `mesh` and `out` are made in process 0 alone, and not at all where
+// light stays apart: then members that wait sleep (team.h). `cells`: of a part at
 // most. `keep`: NULL, nothing is kept. Light that goes on from what was kept is, to the last bit, that of a bake that was never ended.
 // False, with a sentence, in all processes where it fails or is stopped.
 bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const PartsKeep *keep,

@@ -72,13 +72,14 @@ bool kept_find(const char *folder, int parts, int *set, Error *error) {
     return error_set(error, "%s: holds no light of all %d parts to go on from", folder, parts);
 }
 
-void kept_remove(const char *path, int set) {
+void kept_remove(const char *path, int set, int spared) {
     DIR *folder = opendir(path);
     if (!folder) return;
     KeptFile file;
     // A name that is removed while the folder is read may come again: that does no harm.
     for (const struct dirent *entry; (entry = readdir(folder));)
-        if (read_name(entry->d_name, &file) && file.set < set) unlinkat(dirfd(folder), entry->d_name, 0);
+        if (read_name(entry->d_name, &file) && file.set < set && file.set != spared)
+            unlinkat(dirfd(folder), entry->d_name, 0);
     closedir(folder);
     rmdir(path);
 }

@@ -18,7 +18,7 @@ int kept_last(const char *folder);
 // The newest whole set of so many parts. Fails where there is none, and names the parts that there are.
 bool kept_find(const char *folder, int parts, int *set, Error *error);
 
-// Removes the files of all sets before `set`, and the folder where it is empty then.
-void kept_remove(const char *folder, int set);
+// Removes the files of all sets before `set`, but for one that is spared, 0: none, and the folder where it is empty then.
+void kept_remove(const char *folder, int set, int spared);
 
 #endif

@@ -6,9 +6,12 @@
 
 #include "engine/core/clock.h"
 #include "engine/scene/bake_mesh.h"
+#include "engine/scene/kept_parts.h"
 #include "engine/scene/lamp_state.h"
+#include "engine/scene/light_parts.h"
 #include "radiosity/follow/each_lamp.h"
 #include "radiosity/follow/relight.h"
+#include "radiosity/mesh/parts.h"
 #include "radiosity/shoot/shoot_rows.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
@@ -211,27 +214,84 @@ bool light_take_lamps(const char *file, const LoadedScene *scene, RadSolution *s
     return true;
 }
 
-bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error) {
+// `part` NULL: of the whole building. `proxies`: as proxies_find gives them, NULL: they are found.
+static bool load_light(const char *path, const LoadedScene *scene, const MeshPart *part,
+                       const Proxies *proxies, Arena *arena, WalkLight *out, Error *error) {
     const CellGraph *graph = &scene->graph;
     MeshOptions options;
-    Arena scratch = {0};
     float *doors = ARENA_ARRAY(arena, float, scene->building.opening_count + 1);
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
     bool good = rad_load_options(path, &scene->building, arena, &options, doors, error);
     if (good) {
-        options.proxies = proxies_find(graph, options.proxy, arena);
+        options.part = part;
+        options.proxies = proxies ? proxies : proxies_find(graph, options.proxy, arena);
         good = mesh_build(graph, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error) &&
                (!scene->day_given || light_check_day(path, solution, &scene->day, error)) &&
                light_take_lamps(path, scene, solution, error);
         if (good) *mesh = scene_lit_mesh(scene, mesh, arena);
     }
-    arena_free(&scratch);
     if (!good) return false;
     if (show_finer(mesh, solution, doors, &scene->lamps, arena, out, error)) return true;
     Error reason = *error;
     return error_set(error, "%s: %.900s", path, reason.text);
+}
+
+bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error) {
+    if (light_parts_is(path))
+        return error_set(error, "%s: is light in parts, which only walks and pictures show", path);
+    return load_light(path, scene, NULL, NULL, arena, out, error);
+}
+
+// ---- light in parts
+
+struct LightOfParts {
+    const char *path, *folder;
+    const LoadedScene *scene;
+    LightParts stored;
+    Parts parts;
+    const Proxies *proxies;
+};
+
+bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts **out, Error *error) {
+    *out = NULL;
+    if (scene->light_count == 0 || !light_parts_is(scene->lights[0])) return true;
+    LightOfParts *p = ARENA_ARRAY(arena, LightOfParts, 1);
+    MeshOptions options;
+    *p = (LightOfParts){
+        .path = scene->lights[0], .folder = kept_folder(scene->lights[0], arena), .scene = scene};
+    if (!light_parts_load(p->path, &scene->building, &p->stored, error)) return false;
+    p->parts = parts_of(&scene->graph, &scene->forest, p->stored.cells, arena);
+    if (p->parts.count != p->stored.parts)
+        return error_set(error, "%s: has %d parts of %d cells (this program makes %d of them)", p->path,
+                         p->stored.parts, p->stored.cells, p->parts.count);
+    Arena scratch = {0};
+    float *doors = ARENA_ARRAY(&scratch, float, scene->building.opening_count + 1);
+    bool good = rad_load_options(kept_file(p->folder, p->stored.set, 0, p->stored.parts, arena),
+                                 &scene->building, &scratch, &options, doors, error);
+    if (good) p->proxies = proxies_find(&scene->graph, options.proxy, arena);
+    arena_free(&scratch);
+    if (good) *out = p;
+    return good;
+}
+
+const LoadedScene *light_parts_scene(const LightOfParts *p) { return p->scene; }
+double light_parts_level(const LightOfParts *p) { return p->stored.level; }
+
+int light_part_of(const LightOfParts *p, int cell) { return cell < 0 ? -1 : p->parts.cell_owner[cell]; }
+
+bool light_load_part(const LightOfParts *p, int part, Arena *arena, WalkLight *out, Error *error) {
+    const char *path = kept_file(p->folder, p->stored.set, part, p->stored.parts, arena);
+    Arena scratch = {0};
+    MeshOptions options;
+    float *doors = ARENA_ARRAY(&scratch, float, p->scene->building.opening_count + 1);
+    bool good = rad_load_options(path, &p->scene->building, &scratch, &options, doors, error);
+    arena_free(&scratch);
+    if (!good) return false;
+    MeshPart *of = ARENA_ARRAY(arena, MeshPart, 1);
+    *of = part_of(&p->parts, &p->scene->forest, part, options.close, arena);
+    return load_light(path, p->scene, of, p->proxies, arena, out, error);
 }
 
 bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLight **out, Error *error) {
@@ -466,7 +526,14 @@ bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *o
     LoadedScene *scene = ARENA_ARRAY(arena, LoadedScene, 1);
     if (!scene_load(path, load, arena, scene, error) || !scene_has_walls(scene, error)) return false;
     *out = (WalkScene){.scene = scene, .graph = &scene->graph, .forest = &scene->forest};
+    const LightOfParts *parts;
     bool later = load->light_later && scene->light_count > 0;
+    if (!light_find_parts(scene, arena, &parts, error)) return false;
+    if (parts) {
+        out->baker = (LightBaker){.stored = true, .asked = load->light != NULL, .parts = parts};
+        load->gentle = true;
+        return true;
+    }
     if (!later && !light_find(scene, load->light != NULL, arena, &out->light, error)) return false;
     if (!out->light && load->lamps == SCENE_LAMPS_ALL) out->baker = light_baker(scene, !load->turned, arena);
     if (later) out->baker = stored_light(scene, load->light != NULL, out->baker, arena);

@@ -16,6 +16,17 @@ bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLi
 // One file. Refuses a file that is damaged, of another building, or made under another day than the scene's.
 bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error);
 
+// Light that is stored in parts (light_parts.h), of which one is read at a time.
+typedef struct LightOfParts LightOfParts;
+// The first of the scene's lights, if it is in parts; NULL: it is not. Fails where it does not fit.
+bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts **out, Error *error);
+// The part that has the light on all that is seen from a cell; -1: the cell is none.
+int light_part_of(const LightOfParts *parts, int cell);
+const LoadedScene *light_parts_scene(const LightOfParts *parts);
+double light_parts_level(const LightOfParts *parts);  // of the whole (light_level.h)
+// Reads the light of a part, with a mesh of what is seen from there alone. Fails as light_load does.
+bool light_load_part(const LightOfParts *parts, int part, Arena *arena, WalkLight *out, Error *error);
+
 // Refuses a solution from a file that was made under another day.
 bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error);
 
@@ -54,6 +65,8 @@ typedef struct LightBaker {
     const struct LightBaker *anew;
     // Light that is stored is read, not baked, where it fits; and it was asked for: without it nothing is to be shown.
     bool stored, asked;
+    // The stored light is in parts: the one about the eye is read (light_load_part), and nothing is baked. NULL: it is not.
+    const LightOfParts *parts;
 } LightBaker;
 
 // The baker that bakes as `enfilade bake FILE` does by itself, under the scene's day, and stores the light where that stores it. Its

@@ -10,10 +10,10 @@
 #include "engine/core/memory.h"
 #include "engine/scene/budget.h"
 #include "engine/scene/lamp_state.h"
+#include "engine/scene/light_parts.h"
 #include "maps/building/lamp_faces.h"
 #include "maps/maps.h"
 #include "maps/photometry/photometry_file.h"
-#include "radiosity/shoot/shoot.h"
 #include "visibility/prepare/prepare.h"
 
 SceneOptions scene_default_options(void) {
@@ -75,7 +75,7 @@ static bool take_light(const char *file, const SceneOptions *options, LoadedScen
     Error reason;
     Daylight day;
     if (!scene_spares(options->written, options->written_count, &file, 1, error)) return false;
-    if (rad_load_day(file, &scene->building, &day, &reason)) {
+    if (light_stored_day(file, &scene->building, &day, &reason)) {
         if (scene->light_count == 0) scene->light_day = day;
         scene->lights[scene->light_count++] = file;
         return true;

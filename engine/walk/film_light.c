@@ -18,8 +18,9 @@ struct FilmLight {
     Arena *arena;
     WalkLight baked;  // anew, by `source`, in `room`
     Arena room;
-    const WalkLight *light;  // that is shown
-    int hours;               // by which the hour was turned
+    const WalkLight *light;  // that is shown; NULL: none is yet
+    int part;                // of light in parts, -1: none is shown yet
+    int rooms;               // of FilmLightSource that were used
     LitStates *states;       // NULL: the light does not follow
     LitLight state[2];
     int at;        // the state that is shown
@@ -36,6 +37,7 @@ static bool show_light(FilmLight *f, const WalkLight *light, Arena *arena, Error
     f->at = 0;
     f->state[0] = lit_light_new(mesh, arena);
     lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
+    if (f->source.parts) f->state[0].level = light_parts_level(f->source.parts);
     walk_renderer_expect(f->renderer, mesh);
     walk_renderer_take(f->renderer, &f->state[0], SIZE_MAX);
     walk_renderer_fade(f->renderer, INFINITY);
@@ -56,11 +58,13 @@ FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer,
     FilmLight *f = ARENA_ARRAY(arena, FilmLight, 1);
     *f = (FilmLight){.source = *source,
                      .renderer = renderer,
-                     .building = source->light->mesh->graph->building,
+                     .building = source->parts ? &light_parts_scene(source->parts)->building
+                                               : source->light->mesh->graph->building,
+                     .part = -1,
                      .arena = arena};
     f->shown = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
     f->last = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
-    return show_light(f, source->light, arena, error) ? f : NULL;
+    return source->parts || show_light(f, source->light, arena, error) ? f : NULL;
 }
 
 void film_light_end(FilmLight *f) {
@@ -121,14 +125,34 @@ static bool bake_anew(FilmLight *f, const Progress *progress, Error *error) {
     return show_light(f, &f->baked, f->arena, error);
 }
 
+// Room for other light: what is shown lies in the other one.
+static Arena *next_room(FilmLight *f) {
+    Arena *room = &f->source.room[f->rooms++ % 2];
+    arena_free(room);
+    return room;
+}
+
+bool film_light_come(FilmLight *f, int cell, Error *error) {
+    int part = f->source.parts ? light_part_of(f->source.parts, cell) : -1;
+    if (part < 0 || part == f->part) return true;
+    Arena *room = next_room(f);
+    WalkLight *light = ARENA_ARRAY(room, WalkLight, 1);
+    if (!light_load_part(f->source.parts, part, room, light, error)) return false;
+    f->part = part;
+    return show_light(f, light, room, error);
+}
+
+bool film_light_covers(const FilmLight *f, int cell) {
+    return f->light && (!f->source.parts || light_part_of(f->source.parts, cell) == f->part);
+}
+
 // The hour turns. The renderer holds the light before, which lies in the other room, or was baked.
 static bool turn_hour(FilmLight *f, const Daylight *day, const float *door_open, const Progress *progress,
                       Error *error) {
     if (!light_turns(f->light))
         return error_set(
             error, "the hour stays as it is: the light that is stored does not follow it (--day bakes anew)");
-    Arena *room = &f->source.room[f->hours++ % 2];
-    arena_free(room);
+    Arena *room = next_room(f);
     WalkLight *next = ARENA_ARRAY(room, WalkLight, 1);
     if (!light_turn(f->light, day, door_open, progress, room, next)) return error_set(error, "stopped");
     return show_light(f, next, room, error);
@@ -136,6 +160,7 @@ static bool turn_hour(FilmLight *f, const Daylight *day, const float *door_open,
 
 bool film_light_follow(FilmLight *f, const float *door_open, const Daylight *day, const Progress *progress,
                        Error *error) {
+    if (!f->light) return true;
     bool turns = day && memcmp(day, &f->light->solution->day, sizeof *day) != 0;
     if (!turns && !is_due(f, door_open)) return true;
     if (!f->states && f->source.anew && !bake_anew(f, progress, error)) return false;

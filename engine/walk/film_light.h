@@ -8,10 +8,12 @@
 // The light of a walk, which outlives it.
 typedef struct FilmLightSource {
     const WalkLight *light;
+    // Or it is stored in parts, and each frame has that of the part about its eye, which does not follow; NULL: it is not.
+    const LightOfParts *parts;
     // Bakes light that follows the doors, where `light` does not and the doors of a frame stand elsewhere; NULL: then it stays as it is.
     const LightBaker *anew;
     const Rgb *lit;  // [count of the lamps] the state that is shown
-    Arena *room;     // [2] of light of other hours, which must outlive `light`
+    Arena *room;     // [2] of light of other hours or parts, which must outlive `light`
 } FilmLightSource;
 
 // Bakes light that follows the doors (light_end), or, where there is not enough memory for that, light that does not. It lives in `room`,
@@ -25,6 +27,11 @@ typedef struct FilmLight FilmLight;
 // renderer is gone.
 FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer, Arena *arena, Error *error);
 void film_light_end(FilmLight *light);  // NULL is allowed
+
+// Where light is in parts: shows that of all that is seen from a cell (-1: none, then the light stays). Fails where it cannot be read.
+bool film_light_come(FilmLight *light, int cell, Error *error);
+// Is there light on all that is seen from the cell?
+bool film_light_covers(const FilmLight *light, int cell);
 
 // Shows the light with the doors `door_open` [opening_count]. While a door moves its light follows in steps of a tenth of its way; a door
 // that has not moved since the frame before has its own. `day`: the light is that of this day, which shines; NULL: of the day that it has.

@@ -51,11 +51,12 @@ struct LightThread {
     atomic_int turned;             // thousandths of a state of another day
     atomic_int lamps, lamps_done;  // LAMPS_KNOWN ..; thousandths
     LitStates *states;
-    WalkLight *base;       // of `states`
-    WalkLight *followed;   // the same if it follows the doors, to be ended; NULL
-    bool short_of_memory;  // of the thread's own
-    Arena asked;           // of the state asked for
-    Arena room[2];         // light of other days: each in the one that the light before does not lie in
+    WalkLight *base;                        // of `states`
+    WalkLight *followed;                    // the same if it follows the doors, to be ended; NULL
+    bool short_of_memory;                   // of the thread's own
+    Arena asked;                            // of the state asked for
+    int part_asked, part_fresh, part_held;  // as `fresh` and `held`, of light in parts; -1: none
+    Arena room[2];  // light of other days or parts: each in the one that the light before does not lie in
     int at;
 };
 
@@ -309,11 +310,54 @@ static void serve_states(LightThread *t) {
     }
 }
 
+// ---- light in parts
+
+// Waits until a part is asked for that is not there; -1: the thread is to end.
+static int next_part(LightThread *t) {
+    pthread_mutex_lock(&t->lock);
+    while (!atomic_load(&t->stop) && (t->part_asked < 0 || t->part_asked == t->part_held || t->fresh >= 0))
+        pthread_cond_wait(&t->received, &t->lock);
+    int part = atomic_load(&t->stop) ? -1 : t->part_asked;
+    pthread_mutex_unlock(&t->lock);
+    return part;
+}
+
+// The part that the walk holds lies in room[at]; that of a part that was dropped is used again.
+static bool read_part(LightThread *t, int part) {
+    Arena *room = &t->room[1 - t->at];
+    arena_free(room);
+    WalkLight *light = ARENA_ARRAY(room, WalkLight, 1);
+    if (!light_load_part(t->baker.parts, part, room, light, &t->error)) return false;
+    LitMesh *mesh = lit_mesh_new(light->mesh, room);
+    LitLight *state = &t->state[t->at == 0 ? LAST : LAST_ANEW];
+    *state = lit_light_new(mesh, room);
+    lit_light_fill(mesh, light->solution, light->door_open, state);
+    state->level = light_parts_level(t->baker.parts);
+    pthread_mutex_lock(&t->lock);
+    atomic_store(&t->mesh, mesh);
+    t->fresh = (int)(state - t->state);
+    t->part_fresh = part;
+    pthread_mutex_unlock(&t->lock);
+    return true;
+}
+
+static void *read_parts(LightThread *t) {
+    bool good = true;
+    atomic_store(&t->lamps, LAMPS_NEVER);
+    for (int part; good && (part = next_part(t)) >= 0;) {
+        good = read_part(t, part);
+        atomic_store(&t->end, good ? LIGHT_READY : LIGHT_FAILED);
+        wake_walk(t);
+    }
+    return NULL;
+}
+
 static void *work(void *context) {
     LightThread *t = context;
     WalkLight light;
     // In Linux this is the priority of this thread alone, and of threads that it starts.
     setpriority(PRIO_PROCESS, 0, NICE);
+    if (t->baker.parts) return read_parts(t);
     bool good = t->baker.bake(t->baker.context, &t->hooks, &t->arena, &light, &t->error);
     good = good && !atomic_load(&t->stop);
     if (!good && t->short_of_memory)
@@ -344,6 +388,9 @@ LightThread *light_thread_start(const LightBaker *baker, void (*wake)(void *cont
                        .wake_context = wake_context,
                        .fresh = -1,
                        .held = -1,
+                       .part_asked = -1,
+                       .part_fresh = -1,
+                       .part_held = -1,
                        .lamps = LAMPS_UNKNOWN};
     t->hooks = (LightHooks){.progress = {note_progress, t},
                             .show = show,
@@ -371,6 +418,11 @@ void light_thread_received(LightThread *t) {
     pthread_mutex_lock(&t->lock);
     t->held = t->fresh;
     t->fresh = -1;
+    if (t->part_fresh >= 0) {
+        t->part_held = t->part_fresh;
+        t->part_fresh = -1;
+        t->at = 1 - t->at;
+    }
     pthread_cond_signal(&t->received);
     pthread_mutex_unlock(&t->lock);
 }
@@ -413,6 +465,19 @@ int light_thread_lamps(const LightThread *t) { return atomic_load(&t->lamps); }
 double light_thread_lamps_done(const LightThread *t) { return atomic_load(&t->lamps_done) / 1000.0; }
 
 bool light_thread_switches(const LightThread *t) { return atomic_load(&t->lamps) != LAMPS_NEVER; }
+
+void light_thread_ask_part(LightThread *t, int part) {
+    pthread_mutex_lock(&t->lock);
+    if (t->part_fresh >= 0 && t->part_fresh != part) {
+        t->fresh = t->part_fresh = -1;
+        atomic_store(&t->mesh, NULL);
+    }
+    t->part_asked = part;
+    pthread_cond_signal(&t->received);
+    pthread_mutex_unlock(&t->lock);
+}
+
+int light_thread_part(const LightThread *t) { return t->part_fresh; }
 
 void light_thread_stop(LightThread *t) {
     atomic_store(&t->stop, true);

@@ -56,6 +56,14 @@ bool light_thread_behind(const LightThread *thread);
 // Can states be asked for at all?
 bool light_thread_switches(const LightThread *thread);
 
+// ---- light in parts (LightBaker.parts)
+
+// Asks for the light of a part. It is read into memory of its own while the walk shows that of another, and waits to be taken as a new
+// state on a new mesh. A part that waits, and is not the one asked for, is dropped: the walk must not have begun to take it.
+void light_thread_ask_part(LightThread *thread, int part);
+// The part whose light waits to be taken, -1: none does.
+int light_thread_part(const LightThread *thread);
+
 void light_thread_stop(LightThread *thread);
 // Waits until the thread has ended, at most for so many seconds, and frees all that it made; call light_thread_stop before. False: the
 // thread is still at work.

@@ -115,7 +115,8 @@ bool session_draw(Session *s, int width, int height, double scale, Error *error)
     int mirror_count =
         mirrors_look(s->shown->mirrors, &camera, &s->visible, s->shown->doors.open, s->culling, &mirrors);
     walk_renderer_mirrors(renderer, mirrors, mirror_count);
-    if (!walk_renderer_draw(renderer, &camera, s->visible.objects, s->visible.object_count, s->look, error))
+    if (!walk_renderer_draw(renderer, &camera, s->visible.objects, s->visible.object_count,
+                            session_drawn_look(s), error))
         return false;
     if (s->wireframe && !draw_hidden(s, &camera, error)) return false;
     if (!walk_renderer_finish_scene(renderer, error)) return false;

@@ -56,8 +56,7 @@ static SessionSeen take_note(const Session *s, int width, int height, double sca
 static bool picture_moves(const Session *s) {
     Shown *shown = s->shown;
     if (s->picture_wanted || s->adapting || walk_renderer_fading(shown->renderer)) return true;
-    return shown->baking && (light_thread_light(shown->baking) ||
-                             (light_thread_end(shown->baking) != LIGHT_UNDER_WAY && !shown->told));
+    return shown->baking && (session_light_waits(s) || light_thread_end(shown->baking) != shown->told);
 }
 
 bool session_changed(Session *s, int width, int height, double scale) {

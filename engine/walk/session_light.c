@@ -16,8 +16,8 @@ static const double STOP = 0.5;
 static void tell_end(Session *s) {
     Shown *shown = s->shown;
     int end = light_thread_end(shown->baking);
-    if (end == LIGHT_UNDER_WAY || shown->told) return;
-    shown->told = true;
+    if (end == shown->told) return;
+    shown->told = end;
     const char *note = light_thread_note(shown->baking);
     if (*note) {
         session_say(s, true, "%s", note);
@@ -68,18 +68,107 @@ void shown_receive_light(Shown *shown, size_t bytes) {
     if (light && walk_renderer_take(renderer, light, bytes)) light_thread_received(shown->baking);
 }
 
+// ---- light in parts
+
+// Light of another part is read when its nearest cell in view is not farther away than this, metres: some seconds on foot.
+static const double AHEAD = 12;
+
+static double away_from(Box box, Vec3 from) {
+    Vec3 off = vec3(fmax(fmax(box.min.x - from.x, from.x - box.max.x), 0),
+                    fmax(fmax(box.min.y - from.y, from.y - box.max.y), 0),
+                    fmax(fmax(box.min.z - from.z, from.z - box.max.z), 0));
+    return vec3_length(off);
+}
+
+// The part, other than that of the eye, of the nearest cell that may be seen from the eye's; -1: all are far.
+static int part_ahead(const Session *s, const LightOfParts *parts, int cell) {
+    const WalkScene *scene = &s->shown->scene;
+    const CellRows *seen = &scene->forest->seen;
+    Arena scratch = {0};
+    int *list = ARENA_ARRAY(&scratch, int, cell_rows_size(seen, cell) + 1), best = -1;
+    int count = cell_rows_list(seen, cell, list), own = light_part_of(parts, cell);
+    double nearest = AHEAD;
+    for (int i = 0; i < count; i++) {
+        int part = light_part_of(parts, list[i]);
+        double distance = part == own ? INFINITY : away_from(scene->graph->cells[list[i]].box, s->person.eye);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        best = part;
+    }
+    arena_free(&scratch);
+    return best;
+}
+
+// Asks for the part of the eye's cell, or where that is shown for the next one.
+static void ask_part(Session *s, int here) {
+    Shown *shown = s->shown;
+    int cell = s->person.cell, wanted = here, waits = light_thread_part(shown->baking);
+    if (here < 0) return;
+    if (here == shown->part) {
+        if (cell != shown->ahead_cell) shown->ahead = part_ahead(s, shown->scene.baker.parts, cell);
+        shown->ahead_cell = cell;
+        if (shown->ahead >= 0) wanted = shown->ahead;
+    }
+    if (waits >= 0 && waits != wanted) {
+        walk_renderer_drop(shown->renderer);
+        shown->prepared = -1;
+    }
+    light_thread_ask_part(shown->baking, wanted);
+}
+
+// The part of the eye's cell is shown once it is there. While it is, the next one is read and uploaded ahead.
+static void receive_part(Session *s) {
+    Shown *shown = s->shown;
+    LightThread *thread = shown->baking;
+    int here = light_part_of(shown->scene.baker.parts, s->person.cell);
+    ask_part(s, here);
+    int part = light_thread_part(thread);
+    const LitLight *light = walk_renderer_fading(shown->renderer) ? NULL : light_thread_light(thread);
+    if (part < 0 || !light) return;
+    walk_renderer_expect(shown->renderer, light_thread_mesh(thread));
+    if (!walk_renderer_prepare(shown->renderer, light, SLICE_AWAITED)) return;
+    shown->prepared = part;
+    if (part != here) return;
+    walk_renderer_take(shown->renderer, light, 0);
+    light_thread_received(thread);
+    shown->part = part;
+    shown->prepared = -1;
+    ask_part(s, here);
+}
+
+// Is there light on all that is seen from the eye?
+static bool covered(const Session *s) {
+    const LightOfParts *parts = s->shown->scene.baker.parts;
+    return !parts || light_part_of(parts, s->person.cell) == s->shown->part;
+}
+
+bool session_light_waits(const Session *s) {
+    const Shown *shown = s->shown;
+    const LightOfParts *parts = shown->scene.baker.parts;
+    return light_thread_light(shown->baking) &&
+           (!parts || light_thread_part(shown->baking) != shown->prepared ||
+            light_thread_part(shown->baking) == light_part_of(parts, s->person.cell));
+}
+
+WalkLook session_drawn_look(const Session *s) {
+    return s->look == WALK_BAKED && !covered(s) ? s->sketched : s->look;
+}
+
 void session_receive_light(Session *s) {
     Shown *shown = s->shown;
     if (!shown->baking) return;
     bool dark = !walk_renderer_lit(shown->renderer);
-    shown_receive_light(shown, light_thread_end(shown->baking) == LIGHT_READY ? SLICE_AWAITED : SLICE);
+    if (shown->scene.baker.parts)
+        receive_part(s);
+    else
+        shown_receive_light(shown, light_thread_end(shown->baking) == LIGHT_READY ? SLICE_AWAITED : SLICE);
     if (dark && walk_renderer_lit(shown->renderer) && !s->look_chosen) s->look = WALK_BAKED;
     tell_end(s);
     follow_doors(s);
 }
 
 bool session_light_shown(const Session *s) {
-    return s->look == WALK_BAKED && walk_renderer_lit(s->shown->renderer);
+    return s->look == WALK_BAKED && walk_renderer_lit(s->shown->renderer) && covered(s);
 }
 
 // ---- exposure

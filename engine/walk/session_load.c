@@ -172,7 +172,7 @@ void session_take_coming(Session *s) {
     Shown *next = s->coming;
     if (!next) return;
     int end = next->baking ? light_thread_end(next->baking) : LIGHT_READY;
-    if (next->baking) {
+    if (next->baking && !next->scene.baker.parts) {
         walk_renderer_fade(next->renderer, INFINITY);
         shown_receive_light(next, SIZE_MAX);
         if (end == LIGHT_UNDER_WAY || light_thread_light(next->baking)) return;
@@ -183,7 +183,7 @@ void session_take_coming(Session *s) {
     }
     keep_lamps(s->shown, next);
     s->coming = NULL;
-    next->told = true;
+    next->told = end;
     session_show_next(s, next);
     if (walk_renderer_lit(next->renderer) && !s->look_chosen) s->look = WALK_BAKED;
     session_say(s, false, "%s", s->hour);

@@ -24,7 +24,7 @@ FirstScene shown_first_scene(Shown *shown) {
 Shown *shown_load(const Session *s, Error *error) {
     Arena first = {0};
     Shown *shown = ARENA_ARRAY(&first, Shown, 1);
-    *shown = (Shown){.turned = s->turned};
+    *shown = (Shown){.turned = s->turned, .part = -1, .prepared = -1, .ahead_cell = -1, .ahead = -1};
     shown->arena = first;  // stored in the object that it holds
     Arena *arena = &shown->arena;
     if (!s->loader.load(s->loader.context, s->options.file, arena, &shown->scene, error)) {
@@ -62,10 +62,11 @@ bool shown_upload(const Session *s, Shown *shown, Error *error) {
         shown->lit = ARENA_ARRAY(&shown->arena, Rgb, scene->lamps.count + 1);
         memcpy(shown->lit, scene->lit, (size_t)scene->lamps.count * sizeof *shown->lit);
     }
-    if (!light && shown->scene.baker.bake)
+    if (!light && (shown->scene.baker.bake || shown->scene.baker.parts))
         shown->baking =
             light_thread_start(&shown->scene.baker, s->options.wake, s->options.wake_context, &shown->arena);
-    if (shown->baking && scene && !scene_fully_lit(scene)) session_ask_light(shown);
+    if (shown->baking && !shown->scene.baker.parts && scene && !scene_fully_lit(scene))
+        session_ask_light(shown);
     return true;
 }
 

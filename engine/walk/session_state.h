@@ -56,7 +56,10 @@ typedef struct Shown {
     bool turning;         // its light is on its way to another day:
     int turning_to;       // minutes
     Daylight turning_day;
-    bool told;           // the end of the bake has been reported
+    // Where light is in parts (LightBaker.parts): the one that is shown, and the one that was uploaded ahead, -1: none; the cell for which
+    // the next part was found, and that part.
+    int part, prepared, ahead_cell, ahead;
+    int told;            // the end of the bake that has been reported, LIGHT_UNDER_WAY: none
     struct Shown *next;  // in the list of those no longer shown whose light is still being baked
 } Shown;
 
@@ -188,7 +191,9 @@ void shown_receive_light(Shown *shown, size_t bytes);
 void session_ask_light(Shown *shown);
 void session_expose(Session *s, const Camera *camera);  // adapts to the visible objects
 bool session_light_shown(const Session *s);             // is light by radiosity shown?
-double session_light_done(const Session *s);            // 0 .. 1
+WalkLook session_drawn_look(const Session *s);  // where light in parts has none about the eye, another one
+bool session_light_waits(const Session *s);     // has light come that the next frame takes?
+double session_light_done(const Session *s);    // 0 .. 1
 const char *session_light_text(const Session *s, Arena *arena);
 bool session_legend(const Session *s, HudLegend *out);  // false: no legend is shown
 void session_brighten(Session *s, int by);

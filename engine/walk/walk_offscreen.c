@@ -154,7 +154,7 @@ static void expose(Walk *w, const Camera *camera, const VisResult *visible) {
 }
 
 static bool draw_legend(Walk *w, Error *error) {
-    if (!w->overlay) return true;
+    if (!w->overlay || !walk_renderer_lit(w->renderer)) return true;
     FalseColour quantity = w->options->false_colour;
     HudLegend legend = {quantity, walk_renderer_lit(w->renderer)->ranges[quantity]};
     Arena scratch = {0};
@@ -177,8 +177,10 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
         mirrors_look(w->mirrors, camera, &out->visible, w->door_open, w->options->culling, &mirrors);
     walk_renderer_mirrors(w->renderer, mirrors, mirror_count);
     expose(w, camera, &out->visible);
-    if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count,
-                            w->options->look, error) ||
+    // Where stored light has no part about the eye, as outside all cells, there is the fast look.
+    WalkLook look = w->light && !film_light_covers(w->light, w->cell) ? WALK_FAST : w->options->look;
+    if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count, look,
+                            error) ||
         !walk_renderer_finish_scene(w->renderer, error) || !draw_legend(w, error)) {
         return false;
     }
@@ -230,6 +232,7 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
         if (w->replay) recording_doors(w->replay, i, w->door_open);
         if (path->is_film && o->doors == WALK_DOORS) tour_doors(path, i, w->rate, w->door_open);
         Frame frame;
+        if (w->light && is_written(w, i) && !film_light_come(w->light, w->cell, error)) return false;
         if (w->light && is_written(w, i) &&
             !film_light_follow(w->light, w->door_open, hour_of(o, i, path->frame_count), progress, error))
             return false;
@@ -299,7 +302,7 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         if (!w->context) return false;
         w->renderer = walk_renderer_new(w->graph, w->arena, error);
         if (!w->renderer) return false;
-        bool lit = o->light.light && o->look == WALK_BAKED;
+        bool lit = (o->light.light || o->light.parts) && o->look == WALK_BAKED;
         if (lit && !(w->light = film_light_new(&o->light, w->renderer, w->arena, error))) return false;
         if (lit && o->false_colour != FALSE_COLOUR_OFF && !(w->overlay = overlay_new(w->arena, error)))
             return false;

@@ -20,6 +20,11 @@ struct Borders {
 
 TeamMember *borders_member(const Borders *borders) { return borders->member; }
 
+const int *borders_lent(const Borders *borders, int part, int *count) {
+    *count = borders->lent[part].count;
+    return borders->lent[part].face;
+}
+
 FaceTitle *border_titles(const Mesh *mesh, Arena *arena) {
     FaceTitle *out = ARENA_ARRAY(arena, FaceTitle, mesh->face_count + 1);
     int object = -1, place = 0;

@@ -23,6 +23,8 @@ int border_compare(const FaceTitle *a, const FaceTitle *b);
 // differ on a face that they share.
 Borders *borders_new(const Mesh *mesh, TeamMember *member, Arena *arena, Error *error);
 TeamMember *borders_member(const Borders *borders);
+// The faces of this part that lie in the mesh of another one, in order.
+const int *borders_lent(const Borders *borders, int part, int *count);
 
 // An array with a value of `size` bytes for each patch or element of the mesh.
 typedef enum BorderUnit { BORDER_PATCH, BORDER_ELEMENT } BorderUnit;

@@ -38,24 +38,64 @@ static void find_touches(Parts *p, Arena *arena) {
     arena_free(&scratch);
 }
 
-Parts parts_of(const CellGraph *graph, int cells, Arena *arena) {
+// [cell_count] May anything outdoors be seen from a cell?
+static bool *find_open(const CellGraph *graph, const StabForest *forest, Arena *arena) {
+    bool *open = ARENA_ARRAY(arena, bool, graph->cell_count + 1);
+    int *seen = ARENA_ARRAY(arena, int, graph->cell_count + 1);
+    for (int c = 0; c < graph->cell_count; c++) {
+        int count = cell_rows_list(&forest->seen, c, seen);
+        for (int i = 0; i < count && !open[c]; i++)
+            open[c] = vis_region(graph, seen[i])->kind == REGION_OUTDOORS;
+    }
+    return open;
+}
+
+// Numbers parts of such cells of all groups, open or not, from `part` on; each has whole groups of them. Returns the next number.
+static int number_parts(const CellGroups *groups, const bool *open, bool which, int cells, int part,
+                        int *owner) {
+    int count = 0;
+    for (int g = 0; g < groups->count; g++) {
+        int of_group = 0;
+        for (int i = groups->first[g]; i < groups->first[g + 1]; i++)
+            of_group += open[groups->cell[i]] == which;
+        if (count > 0 && count + of_group > cells) {
+            part++;
+            count = 0;
+        }
+        count += of_group;
+        for (int i = groups->first[g]; i < groups->first[g + 1]; i++)
+            if (open[groups->cell[i]] == which) owner[groups->cell[i]] = part;
+    }
+    return part + (count > 0);
+}
+
+static int find_owners(const CellGraph *graph, const StabForest *forest, int cells, int *owner) {
     Arena scratch = {0};
+    CellGroups groups = cell_groups(graph, cells, &scratch);
+    const bool *open = find_open(graph, forest, &scratch);
+    int count = 1;
+    if (groups.count > 1) {
+        count = number_parts(&groups, open, false, cells, 0, owner);
+        count = number_parts(&groups, open, true, cells, count, owner);
+    }
+    arena_free(&scratch);
+    return count;
+}
+
+Parts parts_of(const CellGraph *graph, const StabForest *forest, int cells, Arena *arena) {
     Parts p = {.graph = graph,
                .owner = ARENA_ARRAY(arena, int, graph->object_count + 1),
                .cell_owner = ARENA_ARRAY(arena, int, graph->cell_count + 1)};
-    CellGroups groups = cell_groups(graph, cells, &scratch);
-    p.count = groups.count;
-    for (int g = 0; g < groups.count; g++)
-        for (int i = groups.first[g]; i < groups.first[g + 1]; i++) p.cell_owner[groups.cell[i]] = g;
+    p.count = find_owners(graph, forest, cells, p.cell_owner);
     find_touches(&p, arena);
-    // An object that touches no cell is in a wall.
+    // An object that touches no cell is in a wall. One of several parts belongs to that which sees the outdoors, if any does.
     for (int o = 0; o < graph->object_count; o++)
-        p.owner[o] = p.first[o] < p.first[o + 1] ? p.cell_owner[p.cell[p.first[o]]] : 0;
+        for (int i = p.first[o]; i < p.first[o + 1]; i++)
+            if (p.cell_owner[p.cell[i]] > p.owner[o]) p.owner[o] = p.cell_owner[p.cell[i]];
     for (int c = 0; c < graph->cell_count; c++)
         for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++)
             p.owner[o] = p.cell_owner[c];
     p.boxes = box_tree_build(graph->object_boxes, graph->object_count, arena);
-    arena_free(&scratch);
     return p;
 }
 

@@ -14,10 +14,11 @@ typedef struct Parts {
     BoxTree boxes;            // of objects
 } Parts;
 
-// Parts of `cells` cells at most. They depend on the building alone.
-Parts parts_of(const CellGraph *graph, int cells, Arena *arena);
+// Parts of `cells` cells at most. They depend on the building alone. Outdoors much is seen, which each part that sees any of it has in its
+// mesh: so cells that see some have parts of their own. The forest tells what is seen.
+Parts parts_of(const CellGraph *graph, const StabForest *forest, int cells, Arena *arena);
 
-// The objects of which the mesh of part `own` is made. The forest tells what is seen; elements are cut along things as near as `close`,
+// The objects of which the mesh of part `own` is made. Elements are cut along things as near as `close`,
 // metres.
 MeshPart part_of(const Parts *parts, const StabForest *forest, int own, double close, Arena *arena);
 

@@ -2,6 +2,7 @@
 // light is laid out on it.
 #include "radiosity/show/joined.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,10 +11,12 @@
 
 // A part begins with this. Then come, for each face, a FaceRecord, the bits of the splits of both meshes, and doubles: three for each
 // element of radiosity, of direct light and of daylight, and for each patch of unshot light. Where light is shown there follow, for each
-// element of the mesh that shows it, the number of its corners, and for each corner its light and the rest of that.
+// element of the mesh that shows it, the number of its corners, and for each corner its light and the rest of that. In the mesh of another
+// part an element may have more corners, or fewer, on its edges: then its corners have their places, too.
 typedef struct PartHead {
     int face_count, splits_even, shown_even;
     bool splits, shown, nodes;
+    bool places;  // each corner begins with its place
     double emitted[3], absorbed[3], escaped[3], outdoors[3];
     Daylight day;
     long long shots;
@@ -53,13 +56,29 @@ static void push_light(Arena *arena, Doubles *d, double (*value)[3], int first, 
         for (int c = 0; c < 3; c++) add_double(arena, d, value[i][c]);
 }
 
-static void push_corners(Arena *arena, Doubles *d, const Mesh *shown, int face, const Nodes *nodes,
-                         const RadSolution *s) {
+// A part that is being packed.
+typedef struct Packing {
+    const Mesh *mesh;
+    Mesh shown;
+    const RadSolution *solution;
+    Nodes nodes;  // of `shown`
+    FaceTitle *titles;
+    int *bit, *shown_bit;  // as mesh_face_bits gives them, or NULL
+    PartHead head;         // but for the number of faces
+    Arena scratch;
+} Packing;
+
+static void push_corners(Arena *arena, Doubles *d, const Packing *p, int face) {
+    const Mesh *shown = &p->shown;
+    const Nodes *nodes = &p->nodes;
+    const RadSolution *s = p->solution;
     const Face *f = &shown->faces[face];
     for (int e = f->first_element; e < f->first_element + f->element_count; e++) {
         const Element *element = &shown->elements[e];
         add_double(arena, d, element->corner_count);
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+            Vec3 at = shown->vertices[shown->corners[c]];
+            if (p->head.places) push_light(arena, d, (double[1][3]){{at.x, at.y, at.z}}, 0, 1);
             push_light(arena, d, s->node, nodes->of_corner[c], 1);
             push_light(arena, d, s->rest, nodes->of_corner[c], 1);
         }
@@ -73,54 +92,97 @@ static void pack_bits(Arena *arena, Packed *out, const MeshSplits *splits, int f
     append(arena, out, bits, bit_bytes(count));
 }
 
-bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
-                 TeamBytes *out, Error *error) {
-    Arena scratch = {0};
-    Packed all = {0};
+static bool packing_begin(Packing *p, const Mesh *mesh, const RadSolution *solution, const float *door_open,
+                          Error *error) {
     const MeshSplits *splits = mesh->options.splits, *finer = solution->shown;
-    bool nodes_known = solution->node && solution->rest;
-    Mesh shown = *mesh;
-    if (finer && !shown_build(mesh, finer, door_open, &scratch, &shown, error)) {
-        arena_free(&scratch);
+    *p = (Packing){.mesh = mesh, .shown = *mesh, .solution = solution};
+    if (finer && !shown_build(mesh, finer, door_open, &p->scratch, &p->shown, error)) {
+        arena_free(&p->scratch);
         return false;
     }
-    Nodes nodes = nodes_of(&shown, &scratch);
-    FaceTitle *titles = border_titles(mesh, &scratch);
-    int *bit = splits ? mesh_face_bits(mesh, splits, &scratch) : NULL,
-        *shown_bit = finer ? mesh_face_bits(mesh, finer, &scratch) : NULL;
-    PartHead head = {.splits_even = splits ? splits->even : 0,
-                     .shown_even = finer ? finer->even : 0,
-                     .splits = splits != NULL,
-                     .shown = finer != NULL,
-                     .nodes = nodes_known,
-                     .day = solution->day,
-                     .shots = solution->shots};
-    memcpy(head.emitted, solution->emitted, sizeof head.emitted);
-    memcpy(head.absorbed, solution->absorbed, sizeof head.absorbed);
-    memcpy(head.escaped, solution->escaped, sizeof head.escaped);
-    memcpy(head.outdoors, solution->outdoors, sizeof head.outdoors);
-    for (int f = 0; f < mesh->face_count; f++) head.face_count += mesh_owns(mesh, f);
+    p->nodes = nodes_of(&p->shown, &p->scratch);
+    p->titles = border_titles(mesh, &p->scratch);
+    p->bit = splits ? mesh_face_bits(mesh, splits, &p->scratch) : NULL;
+    p->shown_bit = finer ? mesh_face_bits(mesh, finer, &p->scratch) : NULL;
+    p->head = (PartHead){.splits_even = splits ? splits->even : 0,
+                         .shown_even = finer ? finer->even : 0,
+                         .splits = splits != NULL,
+                         .shown = finer != NULL,
+                         .nodes = solution->node && solution->rest,
+                         .day = solution->day,
+                         .shots = solution->shots};
+    memcpy(p->head.emitted, solution->emitted, sizeof p->head.emitted);
+    memcpy(p->head.absorbed, solution->absorbed, sizeof p->head.absorbed);
+    memcpy(p->head.escaped, solution->escaped, sizeof p->head.escaped);
+    memcpy(p->head.outdoors, solution->outdoors, sizeof p->head.outdoors);
+    return true;
+}
+
+static void pack_face(const Packing *p, int f, Arena *arena, Packed *out) {
+    const Face *face = &p->mesh->faces[f];
+    const RadSolution *s = p->solution;
+    const int *bit = p->bit, *shown_bit = p->shown_bit;
+    Arena own = {0};
+    Doubles d = {0};
+    push_light(&own, &d, s->radiosity, face->first_element, face->element_count);
+    push_light(&own, &d, s->direct, face->first_element, face->element_count);
+    push_light(&own, &d, s->daylight, face->first_element, face->element_count);
+    push_light(&own, &d, s->unshot, face->first_patch, face->patch_count);
+    if (p->head.nodes) push_corners(&own, &d, p, f);
+    FaceRecord record = {p->titles[f], bit ? bit[f + 1] - bit[f] : 0,
+                         shown_bit ? shown_bit[f + 1] - shown_bit[f] : 0, d.count};
+    append(arena, out, &record, sizeof record);
+    if (bit) pack_bits(arena, out, p->mesh->options.splits, bit[f], record.bits, &own);
+    if (shown_bit) pack_bits(arena, out, s->shown, shown_bit[f], record.shown_bits, &own);
+    append(arena, out, d.at, (size_t)d.count * sizeof *d.at);
+    arena_free(&own);
+}
+
+static TeamBytes pack_faces(const Packing *p, const int *faces, int count, Arena *arena) {
+    Packed all = {0};
+    PartHead head = p->head;
+    head.face_count = count;
     append(arena, &all, &head, sizeof head);
+    for (int i = 0; i < count; i++) pack_face(p, faces[i], arena, &all);
+    return (TeamBytes){all.data, (size_t)all.size};
+}
+
+// The faces that belong to this part, and with `unseen` those that it does not see.
+static int *faces_of_part(const Mesh *mesh, bool unseen, int *count, Arena *arena) {
+    const MeshPart *part = mesh->options.part;
+    int *out = ARENA_ARRAY(arena, int, mesh->face_count + 1);
+    *count = 0;
     for (int f = 0; f < mesh->face_count; f++) {
-        const Face *face = &mesh->faces[f];
-        Arena own = {0};
-        Doubles d = {0};
-        if (!mesh_owns(mesh, f)) continue;
-        push_light(&own, &d, solution->radiosity, face->first_element, face->element_count);
-        push_light(&own, &d, solution->direct, face->first_element, face->element_count);
-        push_light(&own, &d, solution->daylight, face->first_element, face->element_count);
-        push_light(&own, &d, solution->unshot, face->first_patch, face->patch_count);
-        if (nodes_known) push_corners(&own, &d, &shown, f, &nodes, solution);
-        FaceRecord record = {titles[f], bit ? bit[f + 1] - bit[f] : 0,
-                             shown_bit ? shown_bit[f + 1] - shown_bit[f] : 0, d.count};
-        append(arena, &all, &record, sizeof record);
-        if (bit) pack_bits(arena, &all, splits, bit[f], record.bits, &own);
-        if (shown_bit) pack_bits(arena, &all, finer, shown_bit[f], record.shown_bits, &own);
-        append(arena, &all, d.at, (size_t)d.count * sizeof *d.at);
-        arena_free(&own);
+        int object = mesh->faces[f].object;
+        if (mesh_owns(mesh, f) || (unseen && !(part->seen[object / 64] >> object % 64 & 1)))
+            out[(*count)++] = f;
     }
-    *out = (TeamBytes){all.data, (size_t)all.size};
-    arena_free(&scratch);
+    return out;
+}
+
+bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
+                 TeamBytes *out, Error *error) {
+    Packing p;
+    int count;
+    if (!packing_begin(&p, mesh, solution, door_open, error)) return false;
+    const int *faces = faces_of_part(mesh, false, &count, &p.scratch);
+    *out = pack_faces(&p, faces, count, arena);
+    arena_free(&p.scratch);
+    return true;
+}
+
+bool joined_pack_each(const Mesh *mesh, const RadSolution *solution, const float *door_open,
+                      const Borders *borders, Arena *arena, TeamBytes *out, Error *error) {
+    Packing p;
+    int count;
+    if (!packing_begin(&p, mesh, solution, door_open, error)) return false;
+    p.head.places = true;
+    for (int part = 0; part < team_count(borders_member(borders)); part++) {
+        const int *faces = part == mesh->options.part->own ? faces_of_part(mesh, true, &count, &p.scratch)
+                                                           : borders_lent(borders, part, &count);
+        out[part] = pack_faces(&p, faces, count, arena);
+    }
+    arena_free(&p.scratch);
     return true;
 }
 
@@ -182,9 +244,51 @@ static const char *take_light(const char *from, double (*value)[3], int first, i
     return from + bytes;
 }
 
+// Corners of an element as they were packed.
+typedef struct Corners {
+    const char *at;
+    int count;
+    bool places;
+} Corners;
+
+static size_t corner_size(bool places) { return (places ? 9 : 6) * sizeof(double); }
+
+static void corner_light(const Corners *c, int corner, double light[2][3]) {
+    const char *end = c->at + (size_t)(corner + 1) * corner_size(c->places);
+    memcpy(light, end - 6 * sizeof(double), 6 * sizeof(double));
+}
+
+static Vec3 corner_place(const Corners *c, int corner) {
+    Vec3 out;
+    memcpy(&out, c->at + (size_t)corner * corner_size(true), sizeof out);
+    return out;
+}
+
+// The light at a place on the edge of an element whose light is linear between its corners.
+static void light_on_edge(const Corners *c, Vec3 at, double light[2][3]) {
+    double least = INFINITY, share = 0;
+    int edge = 0;
+    for (int i = 0; i < c->count; i++) {
+        Vec3 from = corner_place(c, i), along = vec3_sub(corner_place(c, (i + 1) % c->count), from);
+        double square = vec3_dot(along, along),
+               t = square > 0 ? fmin(fmax(vec3_dot(vec3_sub(at, from), along) / square, 0), 1) : 0;
+        Vec3 off = vec3_sub(at, vec3_add(from, vec3_scale(along, t)));
+        double distance = vec3_dot(off, off);
+        if (distance >= least) continue;
+        least = distance;
+        edge = i;
+        share = t;
+    }
+    double ends[2][2][3];
+    corner_light(c, edge, ends[0]);
+    corner_light(c, (edge + 1) % c->count, ends[1]);
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++) light[i][k] = (1 - share) * ends[0][i][k] + share * ends[1][i][k];
+}
+
 // Nodes have the light of the first face on which they lie.
-static bool take_corners(const Joined *joined, const Mesh *shown, int face, const Nodes *nodes, bool *known,
-                         RadSolution *out) {
+static bool take_corners(const Joined *joined, bool places, const Mesh *shown, int face, const Nodes *nodes,
+                         bool *known, RadSolution *out) {
     const Face *f = &shown->faces[face];
     const FaceTitle *title = &joined->record.title;
     const char *at = joined->doubles +
@@ -195,14 +299,19 @@ static bool take_corners(const Joined *joined, const Mesh *shown, int face, cons
         double count = 0;
         if (at >= end) return false;
         memcpy(&count, at, sizeof count);
-        if ((int)count != element->corner_count) return false;
-        at += sizeof count;
-        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-            int node = nodes->of_corner[c];
+        Corners corners = {at + sizeof count, (int)count, places};
+        bool same = corners.count == element->corner_count;
+        if (!same && !places) return false;
+        at = corners.at + (size_t)corners.count * corner_size(places);
+        for (int i = 0; i < element->corner_count; i++) {
+            int corner = element->first_corner + i, node = nodes->of_corner[corner];
             double light[2][3];
-            memcpy(light, at, sizeof light);
-            at += sizeof light;
             if (known[node]) continue;
+            Vec3 place = shown->vertices[shown->corners[corner]];
+            if (same && (!places || vec3_equal(corner_place(&corners, i), place)))
+                corner_light(&corners, i, light);
+            else
+                light_on_edge(&corners, place, light);
             known[node] = true;
             memcpy(out->node[node], light[0], sizeof light[0]);
             memcpy(out->rest[node], light[1], sizeof light[1]);
@@ -211,8 +320,8 @@ static bool take_corners(const Joined *joined, const Mesh *shown, int face, cons
     return at == end;
 }
 
-static bool join_nodes(const Joined *face, const Mesh *mesh, const float *door_open, Arena *arena,
-                       RadSolution *out, Error *error) {
+static bool join_nodes(const Joined *face, bool places, const Mesh *mesh, const float *door_open,
+                       Arena *arena, RadSolution *out, Error *error) {
     Arena scratch = {0};
     Mesh shown = *mesh;
     bool good = !out->shown || shown_build(mesh, out->shown, door_open, &scratch, &shown, error);
@@ -229,7 +338,7 @@ static bool join_nodes(const Joined *face, const Mesh *mesh, const float *door_o
     out->rest = arena_alloc(arena, (size_t)nodes.count + 1, sizeof *out->rest);
     int wrong = 0;
     for (int f = 0; f < shown.face_count && good; f++)
-        wrong += !take_corners(&face[f], &shown, f, &nodes, known, out);
+        wrong += !take_corners(&face[f], places, &shown, f, &nodes, known, out);
     if (wrong > 0)
         good = error_set(error, "%s: parts do not agree on the corners of %d polygons",
                          mesh->graph->building->source, wrong);
@@ -246,7 +355,6 @@ bool joined_light(const CellGraph *graph, const MeshOptions *options, const floa
     memcpy(&head, part[0].data, sizeof head);
     Joined *face = read_parts(part, count, &faces, &scratch);
     MeshOptions whole = *options;
-    whole.part = NULL;
     if (head.splits) whole.splits = join_splits(face, faces, false, head.splits_even, arena);
     bool good = mesh_build(graph, door_open, &whole, arena, mesh, error);
     FaceTitle *titles = good ? border_titles(mesh, &scratch) : NULL;
@@ -273,7 +381,7 @@ bool joined_light(const CellGraph *graph, const MeshOptions *options, const floa
             at = take_light(at, out->daylight, own->first_element, own->element_count);
             take_light(at, out->unshot, own->first_patch, own->patch_count);
         }
-        if (head.nodes) good = join_nodes(face, mesh, door_open, arena, out, error);
+        if (head.nodes) good = join_nodes(face, head.places, mesh, door_open, arena, out, error);
     }
     arena_free(&scratch);
     return good;

@@ -9,8 +9,13 @@
 // `door_open` says.
 bool joined_pack(const Mesh *mesh, const RadSolution *solution, const float *door_open, Arena *arena,
                  TeamBytes *out, Error *error);
+// The same for each part, `out` [parts]: the light on those of its faces that belong to this part, so that each part can have the light of
+// all that it sees. What nobody sees from this part is dark in it.
+bool joined_pack_each(const Mesh *mesh, const RadSolution *solution, const float *door_open,
+                      const Borders *borders, Arena *arena, TeamBytes *out, Error *error);
 
-// The mesh of the whole building and the light on it, from the bytes of all its parts, `part` [count]. `options` are those of the mesh.
+// The mesh of the whole building and the light on it, from the bytes of all its parts, `part` [count]. `options` are those of the mesh;
+// with a part, the mesh and the light are those of this part, from bytes of joined_pack_each.
 // Sums of power are those that every part knows. The light was not gathered. Where the mesh that would show it is too large, it has no
 // nodes. Fails where the parts do not fit together.
 bool joined_light(const CellGraph *graph, const MeshOptions *options, const float *door_open,

@@ -71,6 +71,21 @@ kill -KILL $! 2>/dev/null && wait $! 2>/dev/null
 [ ! -e "$work/kept.rad.parts" ] || fail 'what was kept stays beside the light'
 same "$work/kept.rad" "$work/never.rad" 'a killed bake that goes on makes another light'
 bake 2 -o "$work/parts.rad" --parts 0 && says err 'parts'
+# Stored in parts: the same files on any number of threads; walks and pictures show them; a small budget makes it so by itself; what
+# needs the whole is refused.
+bake 0 -o "$work/apart.rad" --apart --parts 2 --threads 1 --json && says out '"elements": [1-9]'
+bake 0 -o "$work/apart.2.rad" --apart --parts 2 --threads 2
+for part in "$work"/apart.rad.parts/*; do
+    same "$part" "$work/apart.2.rad.parts/${part##*/}" 'light that is stored in parts depends on threads'
+done
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/apart.rad" --offscreen "$work/apart" --size 64x48 --every 100 --doors drawn
+expect 0 "$program" render $maps/two-rooms.plan --light "$work/apart.rad" --size 64x48 --samples 1 -o "$work/apart.png"
+expect 1 "$program" render $maps/two-rooms.plan --light "$work/apart.rad" --eye 500,500,500 --look 0,0,0 --size 64x48 -o "$work/apart.png" && says err 'no light about the eye'
+bake 1 -o "$work/apart.rad" --apart --parts 2 --resume && says err 'its light is whole' && sentence
+bake 2 -o "$work/apart.rad" --apart -o "$work/apart.glb" && says err 'no OUT.glb'
+bake 2 -o "$work/apart.rad" --apart --seconds 5 && says err 'parts has no'
+rm "$work"/apart.rad.parts/*
+expect 1 "$program" walk $maps/two-rooms.plan --light "$work/apart.rad" --offscreen "$work/apart" --size 64x48 --every 100 && says err '0-of-' && sentence
 # Of a program without MPI mpirun may start one process, not several.
 OMPI_COMM_WORLD_SIZE=2 bake 2 -o "$work/of-two.rad" && says err 'make mpi=1'
 [ ! -e "$work/of-two.rad" ] || fail "a file of light by one of several processes"

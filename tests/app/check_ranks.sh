@@ -13,6 +13,12 @@ done
 # The same without mpirun, and by the program without MPI.
 expect 0 "$program" bake $maps/two-rooms.plan --night --element 0.4 --residual 0.001 --parts 2 -o "$work/none.rad"
 same "$work/1.rad" "$work/none.rad" 'mpirun changes the light'
+# Light that is stored in parts: the same files.
+ranks 0 1 -o "$work/a1.rad" --apart
+for n in 2 4; do
+    ranks 0 $n -o "$work/a$n.rad" --apart
+    for part in "$work"/a1.rad.parts/*; do same "$part" "$work/a$n.rad.parts/${part##*/}" "$n processes store other parts than one"; done
+done
 # More processes than parts; a file that is not there: one sentence, and all end.
 ranks 1 2 -o "$work/x.rad" --parts 1000 && says err 'give --parts with fewer cells'
 expect 1 mpirun --allow-run-as-root --oversubscribe -n 2 $several bake "$work/absent.plan" && says err 'absent.plan'

@@ -3,6 +3,7 @@
 
 #include "engine/draw/view.h"
 #include "engine/lit/exposure.h"
+#include "engine/scene/light_level.h"
 #include "tests/radiosity/shoot/sky_fixture.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"
@@ -191,8 +192,8 @@ Test(exposure, rooms_by_day) {
     for (int o = 0; o < s.lit->graph.object_count; o++) s.objects[o] = o;
     int outdoors = 0;
     for (int e = 0; e < mesh->element_count; e++) {
-        outdoors += lit_outdoors(mesh, e);
-        for (int c = 0; c < 3; c++) s.solution.radiosity[e][c] = lit_outdoors(mesh, e) ? 100 : 1;
+        outdoors += light_outdoors(mesh, e);
+        for (int c = 0; c < 3; c++) s.solution.radiosity[e][c] = light_outdoors(mesh, e) ? 100 : 1;
     }
     cr_assert(outdoors > 0 && outdoors < mesh->element_count);
     for (int day = 0; day < 2; day++) {

@@ -120,7 +120,7 @@ static const uint8_t *picture(Followed *f, const LightBaker *anew, bool stays, A
     options.width = WIDE, options.height = HIGH;
     options.doors = WALK_DOORS_OPEN;
     options.look = WALK_BAKED;
-    options.light = (FilmLightSource){&f->light, anew, f->of->scene.lit, NULL};
+    options.light = (FilmLightSource){&f->light, NULL, anew, f->of->scene.lit, NULL};
     cr_assert(
         walk_offscreen(&f->of->scene.graph, &f->of->scene.forest, &options, NULL, arena, &totals, &error),
         "%s", error.text);

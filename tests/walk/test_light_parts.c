@@ -1,0 +1,198 @@
+// test_light_parts.c - light in parts, as walks show it: pictures are those of the whole, and a thread reads part after part.
+#include <criterion/criterion.h>
+#include <stdlib.h>
+
+#include "engine/core/clock.h"
+#include "engine/draw/image.h"
+#include "engine/scene/bake_parts.h"
+#include "engine/scene/kept_parts.h"
+#include "engine/scene/light_parts.h"
+#include "engine/walk/light_thread.h"
+#include "engine/walk/walk_offscreen.h"
+#include "tests/support/support.h"
+
+#include "tests/walk/light_thread_fixture.h"
+
+// The house, its light in parts and as a whole.
+typedef struct Apart {
+    Arena arena;
+    WalkScene parted, whole;
+    PartsReport report;
+} Apart;
+
+static SceneOptions options_of(const char *light) {
+    SceneOptions o = scene_default_options();
+    o.day.night = true;
+    o.lamps = SCENE_LAMPS_ALL;
+    o.find_light = light != NULL;
+    o.light = light;
+    return o;
+}
+
+static void bake(LoadedScene *scene, const char *apart, const char *joined, Arena *arena,
+                 PartsReport *report) {
+    Error error = {""};
+    BakeOptions o = bake_default_options();
+    PartsKeep keep = {apart ? kept_folder(apart, arena) : NULL, 1e9, false, apart};
+    Mesh mesh;
+    RadSolution light;
+    float *doors;
+    o.mesh.element = 0.6;
+    o.rad.residual = 1e-3;
+    cr_assert(
+        bake_parts(&o, scene, 30, apart ? &keep : NULL, NULL, arena, &doors, &mesh, &light, report, &error),
+        "%s", error.text);
+    if (joined) cr_assert(rad_save(joined, &mesh, doors, &light, &error), "%s", error.text);
+}
+
+static Apart *load(void) {
+    Apart *a = calloc(1, sizeof *a);
+    Error error = {""};
+    LoadedScene scene;
+    const char *folder = support_folder(&a->arena), *apart = arena_format(&a->arena, "%s/apart.rad", folder),
+               *joined = arena_format(&a->arena, "%s/joined.rad", folder);
+    SceneOptions dark = options_of(NULL), parted = options_of(apart), whole = options_of(joined);
+    cr_assert(scene_load("build/maps/house.plan", &dark, &a->arena, &scene, &error), "%s", error.text);
+    bake(&scene, NULL, joined, &a->arena, &a->report);
+    bake(&scene, apart, NULL, &a->arena, &a->report);
+    cr_assert(walk_scene_load(&parted, "build/maps/house.plan", &a->arena, &a->parted, &error), "%s",
+              error.text);
+    cr_assert(walk_scene_load(&whole, "build/maps/house.plan", &a->arena, &a->whole, &error), "%s",
+              error.text);
+    cr_assert(a->parted.baker.parts && !a->parted.light && !a->parted.baker.bake && a->whole.light);
+    return a;
+}
+
+static void end(Apart *a) {
+    arena_free(&a->arena);
+    free(a);
+}
+
+enum { WIDE = 128, HIGH = 72, PICTURES = 12 };
+
+static WalkTotals draw(const WalkScene *scene, const char *folder, Arena *arena) {
+    WalkOptions o = walk_default_options();
+    WalkTotals totals;
+    Error error = {""};
+    Arena rooms[2] = {{0}};
+    o.folder = folder;
+    o.width = WIDE, o.height = HIGH;
+    o.frames_per_second = 1;
+    o.every = 3;
+    o.doors = WALK_DOORS_DRAWN;
+    o.look = WALK_BAKED;
+    o.light = (FilmLightSource){scene->light, scene->baker.parts, NULL, scene->scene->lit, rooms};
+    cr_assert(walk_offscreen(scene->graph, scene->forest, &o, NULL, arena, &totals, &error), "%s",
+              error.text);
+    for (int i = 0; i < 2; i++) arena_free(&rooms[i]);
+    return totals;
+}
+
+// Proves that a tour through light in parts, with the eye in one part after another, shows what the same light shows as a whole: no
+// polygon is missing, and the exposure is that of the whole building. Few pixels differ, at corners that only one of the meshes has, and
+// by roundings of the level of light, which is a mean over other elements.
+Test(light_parts, pictures_are_those_of_the_whole, .timeout = 240) {
+    Apart *a = load();
+    Error error = {""};
+    const char *folder[2] = {support_folder(&a->arena), support_folder(&a->arena)};
+    WalkTotals parted = draw(&a->parted, folder[0], &a->arena), whole = draw(&a->whole, folder[1], &a->arena);
+    cr_assert_eq(parted.images, whole.images);
+    cr_assert_geq(parted.images, PICTURES);
+    long off = 0, pixels = 0;
+    double mean = 0;
+    for (int i = 0; i < parted.images; i++) {
+        uint8_t *rgb[2];
+        for (int k = 0; k < 2; k++) {
+            int width, height;
+            const char *path = arena_format(&a->arena, "%s/frame-%05d.png", folder[k], i);
+            cr_assert(image_read_png(path, &a->arena, &rgb[k], &width, &height, &error), "%s", error.text);
+        }
+        for (int p = 0; p < 3 * WIDE * HIGH; p++) {
+            int by = abs(rgb[0][p] - rgb[1][p]);
+            off += by > 4;
+            mean += by;
+            pixels++;
+        }
+    }
+    printf("%d pictures: %.3g %% of the values are more than 4 of 255 off, %.2g in the mean\n", parted.images,
+           100.0 * (double)off / (double)pixels, mean / (double)pixels);
+    cr_expect_leq((double)off, 0.002 * (double)pixels);
+    cr_expect_leq(mean / (double)pixels, 1);
+    end(a);
+}
+
+// Waits until the light of a part waits to be taken.
+static bool comes(const LightThread *thread, int part) {
+    double start = clock_seconds();
+    while (light_thread_part(thread) != part && clock_seconds() < start + 60) light_thread_check_nap();
+    return light_thread_part(thread) == part;
+}
+
+// The light of a part on its mesh: all of it is read, as the walk does while it uploads.
+static double read_light(const LitMesh *mesh, const LitLight *light) {
+    double sum = 0;
+    for (int v = 0; v < lit_vertex_count(mesh); v++)
+        sum += (double)light->vertex[v][0] * (double)mesh->vertex[v].normal[2];
+    return sum;
+}
+
+// Proves that a part is there when it is asked for, on a mesh of its own with the level of the whole; that the part which the walk holds
+// stays as it is while others come, and are dropped untaken; and that the thread ends whatever it is at.
+Test(light_parts, a_thread_reads_one_after_another, .timeout = 240) {
+    Apart *a = load();
+    Arena arena = {0};
+    LightThread *thread = light_thread_start(&a->parted.baker, NULL, NULL, &arena);
+    cr_assert(thread);
+    cr_assert_geq(a->report.parts, 3);
+    cr_expect_eq(light_thread_part(thread), -1);
+    light_thread_ask_part(thread, 0);
+    cr_assert(comes(thread, 0));
+    cr_expect_eq(light_thread_end(thread), LIGHT_READY);
+    const LitLight *held = light_thread_light(thread);
+    LitMesh *mesh = light_thread_mesh(thread);
+    cr_assert(held && mesh);
+    cr_expect_eq(mesh->mesh->options.part->own, 0);
+    cr_expect_float_eq(held->level, a->whole.light ? light_parts_level(a->parted.baker.parts) : 0, 0);
+    double sum = read_light(mesh, held);
+    light_thread_received(thread);
+    for (int i = 0; i < 4; i++) {
+        int part = 1 + i % 2;
+        light_thread_ask_part(thread, part);
+        cr_assert(comes(thread, part), "part %d", part);
+        cr_assert_eq(light_thread_mesh(thread)->mesh->options.part->own, part);
+        cr_expect_eq(read_light(mesh, held), sum);
+    }
+    // The one that is held is asked for again: what waits is dropped, and nothing comes.
+    light_thread_ask_part(thread, 0);
+    cr_expect_null(light_thread_light(thread));
+    light_thread_ask_part(thread, 1);
+    cr_assert(comes(thread, 1));
+    held = light_thread_light(thread);
+    mesh = light_thread_mesh(thread);
+    sum = read_light(mesh, held);
+    light_thread_received(thread);
+    light_thread_ask_part(thread, 0);
+    cr_assert(comes(thread, 0));
+    cr_expect_eq(read_light(mesh, held), sum);
+    light_thread_ask_part(thread, 2);
+    light_thread_stop(thread);
+    cr_expect(light_thread_free(thread, 60));
+    // A part that cannot be read ends it, with a sentence.
+    const char *path = a->parted.scene->lights[0];
+    LightParts stored;
+    Error error;
+    cr_assert(light_parts_load(path, &a->parted.scene->building, &stored, &error));
+    cr_assert(file_write(kept_file(kept_folder(path, &arena), stored.set, 1, stored.parts, &arena), "x", 1,
+                         &error));
+    thread = light_thread_start(&a->parted.baker, NULL, NULL, &arena);
+    light_thread_ask_part(thread, 1);
+    double start = clock_seconds();
+    while (light_thread_end(thread) == LIGHT_UNDER_WAY && clock_seconds() < start + 60)
+        light_thread_check_nap();
+    cr_expect_eq(light_thread_end(thread), LIGHT_FAILED);
+    cr_expect(strstr(light_thread_note(thread), "-1-of-"), "%s", light_thread_note(thread));
+    light_thread_stop(thread);
+    cr_expect(light_thread_free(thread, 60));
+    arena_free(&arena);
+    end(a);
+}

@@ -28,7 +28,7 @@ static void allow(const void *from, size_t size) { (void)from, (void)size; }
 #endif
 
 static const size_t FIRST_BLOCK = 64 * 1024;
-// In a file (memory_use_file) all of a block takes room, touched or not.
+// A block that leaves for a file (memory_use_file) is written whole, touched or not.
 static const size_t LARGEST_GROWTH = 64 * 1024 * 1024, LARGEST_IN_FILE = 2 * 1024 * 1024;
 // Pieces from this size on have blocks of their own.
 static const size_t LARGE_PIECE = GAP > 0 ? 0 : 1024 * 1024;

@@ -108,6 +108,11 @@ void memory_end(size_t bytes) {
     end(sentence);
 }
 
+void memory_end_saying(const char *sentence) {
+    memory_hold_end();
+    end(sentence);
+}
+
 void memory_end_library(const char *name) {
     char sentence[80];
     memory_hold_end();
@@ -302,7 +307,7 @@ void memory_leave_file(PageFile *file) {
     page_file_free(file);
 }
 
-bool memory_half_resident(void) {
+bool memory_much_resident(void) {
     char text[256];
     size_t whole, pages;
     int fd = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
@@ -310,7 +315,8 @@ bool memory_half_resident(void) {
     if (fd >= 0) close(fd);
     text[length > 0 ? length : 0] = 0;
     return sscanf(text, "%zu %zu", &whole, &pages) != 2 ||
-           pages > atomic_load_explicit(&allowed, memory_order_relaxed) / 2 / (size_t)sysconf(_SC_PAGESIZE);
+           pages >
+               atomic_load_explicit(&allowed, memory_order_relaxed) / 8 * 3 / (size_t)sysconf(_SC_PAGESIZE);
 }
 
 // ---- requests

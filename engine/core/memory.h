@@ -25,6 +25,9 @@ void memory_expect_full(void *memory, size_t bytes);
 void memory_return_freed(void);  // to the system: what was freed in many small pieces lies between others
 _Noreturn void memory_end(size_t bytes);  // ends the program: no memory for `bytes` bytes
 
+// Ends the program with another sentence: there is no room for memory where it was to go.
+_Noreturn void memory_end_saying(const char *sentence);
+
 // Ends the program: the library of this name reports that it found no memory.
 _Noreturn void memory_end_library(const char *name);
 
@@ -40,8 +43,8 @@ bool memory_in_file(void);  // does this thread use one?
 void memory_sleep(PageFile *file);
 void memory_wake(PageFile *file);
 void memory_leave_file(PageFile *file);  // frees it with all that lies there; NULL is allowed
-// Does the process have pages of more than half of the budget? True where the system does not tell.
-bool memory_half_resident(void);
+// Does the process have pages of more than three eighths of the budget? True where the system does not tell.
+bool memory_much_resident(void);
 
 // Bytes in use now, and the most that were in use at any time. Memory that libraries request themselves is not counted.
 size_t memory_used(void);

@@ -1,5 +1,5 @@
-// page_file.c - pieces of whole pages in a mapped file, and the gaps between them, in order of their places. The system writes pages to the
-// disk where it needs their memory for others.
+// page_file.c - pieces of whole pages among reserved addresses, and the gaps between them, both in order. A piece that leaves the process is
+// written to the file at its own place, and mapped from there.
 #include "engine/core/page_file.h"
 
 #include <errno.h>
@@ -13,24 +13,26 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-enum { MOST_FILES = 4096 };
-// Before each piece lies its size.
-enum { PAGE = 4096, HEAD = 64 };
+enum { MOST_FILES = 4096, PAGE = 4096 };
 // Addresses that a file may fill, and by how much it grows at least, bytes.
 static const size_t ADDRESSES = (size_t)1 << 36, STEP = (size_t)16 << 20;
 
-// Pages between pieces. Those of a hole are zero, and have no room on the disk.
-typedef struct Gap {
-    size_t first, end;  // bytes from the start of the file
-    bool hole;
-} Gap;
+// Pages from `first` to `end`, bytes from the base. `marked`: of a piece, it lies in the file; of a gap, it was written and is not zero.
+typedef struct Span {
+    size_t first, end;
+    bool marked;
+} Span;
+
+typedef struct Spans {
+    Span *items;
+    int count, capacity;
+} Spans;
 
 struct PageFile {
     int fd;
     char *base;
-    size_t size, used;  // of the file; of its pieces
-    Gap *gaps;          // [gap_count] in order; neighbours differ in `hole`
-    int gap_count, gap_capacity;
+    size_t size, used;   // addresses in use; bytes of pieces
+    Spans pieces, gaps;  // in order; neighbouring gaps differ in `marked`
     atomic_bool asleep;
     pthread_mutex_t mutex;
 };
@@ -93,7 +95,8 @@ void page_file_free(PageFile *file) {
     munmap(file->base, ADDRESSES);
     close(file->fd);
     pthread_mutex_destroy(&file->mutex);
-    free(file->gaps);
+    free(file->pieces.items);
+    free(file->gaps.items);
     free(file);
 }
 
@@ -112,46 +115,67 @@ size_t page_file_used(PageFile *file) {
     return used;
 }
 
-// ---- gaps; the mutex is held
+void page_file_set_asleep(PageFile *file, bool asleep) { atomic_store(&file->asleep, asleep); }
+bool page_file_asleep(PageFile *file) { return atomic_load(&file->asleep); }
 
-static void remove_gap(PageFile *file, int gap) {
-    file->gap_count--;
-    memmove(file->gaps + gap, file->gaps + gap + 1, (size_t)(file->gap_count - gap) * sizeof *file->gaps);
+// ---- spans; from here on the mutex is held
+
+// The number of the first span that does not begin before `first`.
+static int place_of(const Spans *spans, size_t first) {
+    int low = 0, high = spans->count;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (spans->items[middle].first < first)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void remove_span(Spans *spans, int at) {
+    spans->count--;
+    memmove(spans->items + at, spans->items + at + 1, (size_t)(spans->count - at) * sizeof *spans->items);
+}
+
+// Returns its number, -1: there is no memory.
+static int add_span(Spans *spans, Span span) {
+    if (spans->count == spans->capacity) {
+        int capacity = spans->capacity * 2 + 64;
+        Span *larger = realloc(spans->items, (size_t)capacity * sizeof *larger);
+        if (!larger) return -1;
+        spans->items = larger;
+        spans->capacity = capacity;
+    }
+    int at = place_of(spans, span.first);
+    memmove(spans->items + at + 1, spans->items + at, (size_t)(spans->count - at) * sizeof *spans->items);
+    spans->items[at] = span;
+    spans->count++;
+    return at;
 }
 
 // Joins a gap with the next one, if they are alike.
-static void join_next(PageFile *file, int gap) {
-    if (gap < 0 || gap + 1 >= file->gap_count) return;
-    Gap *g = &file->gaps[gap];
-    if (g->end != g[1].first || g->hole != g[1].hole) return;
-    g->end = g[1].end;
-    remove_gap(file, gap + 1);
+static void join_next(Spans *gaps, int at) {
+    if (at < 0 || at + 1 >= gaps->count) return;
+    Span *gap = &gaps->items[at];
+    if (gap->end != gap[1].first || gap->marked != gap[1].marked) return;
+    gap->end = gap[1].end;
+    remove_span(gaps, at + 1);
 }
 
-static bool add_gap(PageFile *file, Gap gap) {
-    if (file->gap_count == file->gap_capacity) {
-        int capacity = file->gap_capacity * 2 + 64;
-        Gap *larger = realloc(file->gaps, (size_t)capacity * sizeof *larger);
-        if (!larger) return false;
-        file->gaps = larger;
-        file->gap_capacity = capacity;
-    }
-    int at = file->gap_count;
-    while (at > 0 && file->gaps[at - 1].first > gap.first) at--;
-    memmove(file->gaps + at + 1, file->gaps + at, (size_t)(file->gap_count - at) * sizeof *file->gaps);
-    file->gaps[at] = gap;
-    file->gap_count++;
-    join_next(file, at);
-    join_next(file, at - 1);
-    return true;
+static bool add_gap(Spans *gaps, Span gap) {
+    int at = add_span(gaps, gap);
+    join_next(gaps, at);
+    join_next(gaps, at - 1);
+    return at >= 0;
 }
 
 // The least gap that is large enough, -1: there is none.
-static int find_gap(const PageFile *file, size_t bytes) {
+static int find_gap(const Spans *gaps, size_t bytes) {
     int best = -1;
     size_t least = SIZE_MAX;
-    for (int i = 0; i < file->gap_count; i++) {
-        size_t size = file->gaps[i].end - file->gaps[i].first;
+    for (int i = 0; i < gaps->count; i++) {
+        size_t size = gaps->items[i].end - gaps->items[i].first;
         if (size < bytes || size >= least) continue;
         least = size;
         best = i;
@@ -159,77 +183,123 @@ static int find_gap(const PageFile *file, size_t bytes) {
     return best;
 }
 
-static bool grow(PageFile *file, size_t bytes) {
-    size_t more = bytes < STEP ? STEP : bytes;
-    if (more > ADDRESSES - file->size || ftruncate(file->fd, (off_t)(file->size + more)) != 0) return false;
-    if (mmap(file->base + file->size, more, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file->fd,
-             (off_t)file->size) == MAP_FAILED)
-        return false;
-    file->size += more;
-    return add_gap(file, (Gap){file->size - more, file->size, true});
-}
-
 // ---- pieces
 
-static size_t in_pages(size_t bytes) { return (bytes + HEAD + PAGE - 1) / PAGE * PAGE; }
+// Ordinary memory, zero, in the place of what was there.
+static bool map_memory(const PageFile *file, size_t first, size_t end) {
+    return mmap(file->base + first, end - first, PROT_READ | PROT_WRITE,
+                MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0) != MAP_FAILED;
+}
+
+static bool grow(PageFile *file, size_t bytes) {
+    size_t more = bytes < STEP ? STEP : bytes;
+    if (more > ADDRESSES - file->size || !map_memory(file, file->size, file->size + more)) return false;
+    file->size += more;
+    return add_gap(&file->gaps, (Span){file->size - more, file->size, false});
+}
 
 static void *take_pages(PageFile *file, size_t bytes) {
-    int at = find_gap(file, bytes);
+    int at = find_gap(&file->gaps, bytes);
     if (at < 0) {
         if (!grow(file, bytes)) return NULL;
-        at = find_gap(file, bytes);
+        at = find_gap(&file->gaps, bytes);
     }
-    Gap *gap = &file->gaps[at];
-    char *piece = file->base + gap->first;
-    if (!gap->hole)
-        memset(piece, 0, bytes);
-    else if (posix_fallocate(file->fd, (off_t)gap->first, (off_t)bytes) != 0)
-        return NULL;
+    Span *gap = &file->gaps.items[at];
+    size_t first = gap->first;
+    if (add_span(&file->pieces, (Span){first, first + bytes, false}) < 0) return NULL;
+    if (gap->marked) memset(file->base + first, 0, bytes);
     gap->first += bytes;
-    if (gap->first == gap->end) remove_gap(file, at);
-    file->used += bytes - HEAD;
-    memcpy(piece, &bytes, sizeof bytes);
-    return piece + HEAD;
+    if (gap->first == gap->end) remove_span(&file->gaps, at);
+    file->used += bytes;
+    return file->base + first;
 }
 
 void *page_file_take(PageFile *file, size_t bytes) {
     if (bytes > ADDRESSES) return NULL;
     pthread_mutex_lock(&file->mutex);
-    void *piece = take_pages(file, in_pages(bytes));
+    void *piece = take_pages(file, bytes < 1 ? PAGE : (bytes + PAGE - 1) / PAGE * PAGE);
     pthread_mutex_unlock(&file->mutex);
     return piece;
 }
 
-static size_t whole_size(const void *memory) {
-    size_t bytes;
-    memcpy(&bytes, (const char *)memory - HEAD, sizeof bytes);
+// The number of the piece that begins there.
+static int piece_at(const PageFile *file, const void *memory) {
+    return place_of(&file->pieces, (size_t)((const char *)memory - file->base));
+}
+
+size_t page_file_size(const void *memory) {
+    PageFile *file = page_file_of(memory);
+    pthread_mutex_lock(&file->mutex);
+    const Span *piece = &file->pieces.items[piece_at(file, memory)];
+    size_t bytes = piece->end - piece->first;
+    pthread_mutex_unlock(&file->mutex);
     return bytes;
 }
 
-size_t page_file_size(const void *memory) { return whole_size(memory) - HEAD; }
+static void leave_disk(const PageFile *file, size_t first, size_t end) {
+    fallocate(file->fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, (off_t)first, (off_t)(end - first));
+}
 
 void page_file_give(void *memory) {
     PageFile *file = page_file_of(memory);
-    size_t bytes = whole_size(memory), first = (size_t)((char *)memory - HEAD - file->base);
     pthread_mutex_lock(&file->mutex);
-    file->used -= bytes - HEAD;
-    // Where there is no memory to note the gap, its pages are lost until the file goes.
-    add_gap(file, (Gap){first, first + bytes, false});
+    int at = piece_at(file, memory);
+    Span piece = file->pieces.items[at];
+    remove_span(&file->pieces, at);
+    file->used -= piece.end - piece.first;
+    bool zero = piece.marked && map_memory(file, piece.first, piece.end);
+    if (zero) leave_disk(file, piece.first, piece.end);
+    // Pages that are still those of the file, and a gap that there is no memory to note, are lost until the file goes.
+    if (zero || !piece.marked) add_gap(&file->gaps, (Span){piece.first, piece.end, !zero});
     pthread_mutex_unlock(&file->mutex);
 }
 
-void page_file_drop(PageFile *file) {
-    pthread_mutex_lock(&file->mutex);
-    for (int i = 0; i < file->gap_count; i++) {
-        Gap *gap = &file->gaps[i];
-        gap->hole = gap->hole || fallocate(file->fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
-                                           (off_t)gap->first, (off_t)(gap->end - gap->first)) == 0;
+// ---- out of the process
+
+static bool write_all(int fd, const char *from, size_t bytes, size_t at) {
+    while (bytes > 0) {
+        ssize_t written = pwrite(fd, from, bytes, (off_t)at);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return false;
+        from += written;
+        at += (size_t)written;
+        bytes -= (size_t)written;
     }
-    for (int i = file->gap_count - 2; i >= 0; i--) join_next(file, i);
-    // The pages of a shared mapping stay those of the file.
-    if (file->size > 0) madvise(file->base, file->size, MADV_DONTNEED);
-    pthread_mutex_unlock(&file->mutex);
+    return true;
 }
 
-void page_file_set_asleep(PageFile *file, bool asleep) { atomic_store(&file->asleep, asleep); }
-bool page_file_asleep(PageFile *file) { return atomic_load(&file->asleep); }
+// Writes a piece to the file, and maps it from there.
+static bool move_out(PageFile *file, Span *piece) {
+    char *at = file->base + piece->first;
+    size_t bytes = piece->end - piece->first;
+    if (posix_fallocate(file->fd, (off_t)piece->first, (off_t)bytes) != 0 ||
+        !write_all(file->fd, at, bytes, piece->first)) {
+        leave_disk(file, piece->first, piece->end);
+        return false;
+    }
+    piece->marked = mmap(at, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file->fd,
+                         (off_t)piece->first) != MAP_FAILED;
+    return piece->marked;
+}
+
+bool page_file_drop(PageFile *file, Error *error) {
+    bool good = true;
+    pthread_mutex_lock(&file->mutex);
+    for (int i = 0; i < file->gaps.count; i++) {
+        Span *gap = &file->gaps.items[i];
+        if (gap->marked) madvise(file->base + gap->first, gap->end - gap->first, MADV_DONTNEED);
+        gap->marked = false;
+    }
+    for (int i = file->gaps.count - 2; i >= 0; i--) join_next(&file->gaps, i);
+    for (int i = 0; i < file->pieces.count; i++) {
+        Span *piece = &file->pieces.items[i];
+        // The pages of a shared mapping stay those of the file.
+        if (piece->marked)
+            madvise(file->base + piece->first, piece->end - piece->first, MADV_DONTNEED);
+        else if (good)
+            good = move_out(file, piece);
+    }
+    pthread_mutex_unlock(&file->mutex);
+    if (!good) error_set(error, "the disk has no room for memory that waits: %s", strerror(errno));
+    return good;
+}

@@ -1,7 +1,7 @@
-// page_file.h - memory that lies in a file: its pages leave the process while nobody needs them, and pointers into it stay as they are.
+// page_file.h - memory that can leave the process for a file, and comes back when it is touched: pointers into it stay as they are.
 //
-// The file has no name, so nothing is left behind, however the program ends. Its room on the disk is taken before a page is written: a full
-// disk is told when memory is asked for. Any thread may call these functions.
+// Pieces are ordinary memory until page_file_drop. So what is taken and given back between two calls never meets the disk. The file has no
+// name: nothing is left behind, however the program ends. Any thread may call these functions.
 #ifndef CORE_PAGE_FILE_H
 #define CORE_PAGE_FILE_H
 
@@ -16,7 +16,7 @@ typedef struct PageFile PageFile;
 PageFile *page_file_new(const char *folder, Error *error);
 void page_file_free(PageFile *file);  // all of its memory is gone; NULL is allowed
 
-// Zeroed memory, in whole pages and aligned to them. NULL: there is no room on the disk or for addresses.
+// Zeroed memory, in whole pages and aligned to them. NULL: there is none, or no more addresses.
 void *page_file_take(PageFile *file, size_t bytes);
 void page_file_give(void *memory);  // back to its file
 // The file of a piece that was taken, NULL: it is not of one. Its size, bytes.
@@ -25,8 +25,9 @@ size_t page_file_size(const void *memory);
 
 // The bytes that are taken now.
 size_t page_file_used(PageFile *file);
-// No page of it is in the process any more, until one is touched; gaps give their room on the disk back.
-void page_file_drop(PageFile *file);
+// All that is taken lies in the file from now on, and no page of it is in the process, until one is touched. Room on the disk is taken
+// before a page is written. False, with a sentence, where there is too little: what has no room there stays in the process.
+bool page_file_drop(PageFile *file, Error *error);
 // A mark for those who count what is in use: is nobody at work on it?
 void page_file_set_asleep(PageFile *file, bool asleep);
 bool page_file_asleep(PageFile *file);

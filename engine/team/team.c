@@ -45,10 +45,14 @@ long long team_sent(const TeamMember *member) { return member->team->sent; }
 
 static int first_of_rank(int count, int rank) { return (int)((long long)count * rank / team_ranks()); }
 
-// Nobody works: all that members have goes, once it is much. What waits for another short turn stays where it is.
-static void let_sleep(const Team *team) {
-    if (!team->members[team->first].file || !memory_half_resident()) return;
-    for (int m = team->first; m < team->end; m++) page_file_drop(team->members[m].file);
+// Nobody works. Once members have much in memory, what they have goes: first of the one that worked last, whose turn is the farthest away.
+static void let_sleep(const Team *team, int last) {
+    int own = team->end - team->first;
+    Error error;
+    if (!team->members[team->first].file) return;
+    for (int i = 0; i < own && memory_much_resident(); i++)
+        if (!page_file_drop(team->members[team->first + (last - team->first + own - i) % own].file, &error))
+            memory_end_saying(error.text);
 }
 
 // Room for a member that sleeps, where its memory lies.
@@ -111,7 +115,7 @@ static void carry_letters(Team *team) {
         team->seats[to].got = room_of(team, to, (size_t)team->count, sizeof(TeamBytes));
         for (int from = team->first; from < team->end; from++)
             hand_over(team, to, from, letter_of(&team->seats[from], to));
-        let_sleep(team);
+        let_sleep(team, to);
     }
     for (int step = 1; step < ranks; step++) {
         Arena scratch = {0};
@@ -139,7 +143,7 @@ static const TeamBytes *meet(TeamMember *member, Seat seat) {
     bool last = member->index + 1 == team->end;
     if (member->file) memory_sleep(member->file);
     if (last) carry_letters(team);
-    let_sleep(team);
+    let_sleep(team, member->index);
     team->turn = last ? team->first : member->index + 1;
     pthread_cond_broadcast(&team->changed);
     wait_for_turn(team, member->index);

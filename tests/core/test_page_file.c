@@ -19,6 +19,11 @@ static PageFile *new_file(void) {
     return file;
 }
 
+static void drop(PageFile *file) {
+    Error error;
+    cr_assert(page_file_drop(file, &error), "%s", error.text);
+}
+
 // Pages of the process, all and those that are in memory.
 static long resident(void) {
     long all = 0, pages = 0;
@@ -64,7 +69,7 @@ Test(page_file, pieces_stay_as_they_are) {
         expect_filled(p, step);
         p->value = (unsigned char)(1 + step % 255);
         memset(p->data, p->value, p->size);
-        if (step % 100 == 0) page_file_drop(file);
+        if (step % 100 == 0) drop(file);
     }
     for (int i = 0; i < PIECES; i++) {
         if (!piece[i].data) continue;
@@ -86,7 +91,7 @@ Test(page_file, pages_leave_and_come_back) {
     long before = resident();
     memset(data, 42, size);
     cr_expect_geq(resident(), before + (long)(size / 2));
-    page_file_drop(file);
+    drop(file);
     cr_expect_leq(resident(), before + (long)(size / 8));
     for (size_t i = 0; i < size; i += 1000) cr_assert(data[i] == 42, "byte %zu", i);
     page_file_free(file);
@@ -116,7 +121,7 @@ Test(page_file, arenas_sleep) {
     memory_sleep(file);
     memory_sleep(file);
     cr_expect_eq(memory_used(), before);
-    page_file_drop(file);
+    drop(file);
     memory_wake(file);
     memory_wake(file);
     cr_expect_eq(memory_used(), before + there);
@@ -138,17 +143,21 @@ Test(page_file, refusals) {
     PageFile *file = new_file();
     cr_expect_null(page_file_take(file, (size_t)1 << 40));
     cr_expect_null(page_file_take(file, SIZE_MAX));
-    // A limit of the size of files stands in for a full disk.
+    // A limit of the size of files stands in for a full disk: what does not fit stays in the process.
     struct rlimit limit, small;
     cr_assert(getrlimit(RLIMIT_FSIZE, &limit) == 0);
     small = limit;
     small.rlim_cur = 1 << 20;
     signal(SIGXFSZ, SIG_IGN);
+    char *large = page_file_take(file, 8 << 20);
+    cr_assert(large);
+    large[(8 << 20) - 1] = 1;
     cr_assert(setrlimit(RLIMIT_FSIZE, &small) == 0);
-    cr_expect_null(page_file_take(file, 8 << 20));
+    cr_expect_not(page_file_drop(file, &error));
+    cr_expect(strstr(error.text, "the disk has no room"), "%s", error.text);
     setrlimit(RLIMIT_FSIZE, &limit);
-    char *after = page_file_take(file, 8 << 20);
-    cr_assert(after);
-    after[(8 << 20) - 1] = 1;
+    cr_expect_eq(large[(8 << 20) - 1], 1);
+    drop(file);
+    cr_expect_eq(large[(8 << 20) - 1], 1);
     page_file_free(file);
 }

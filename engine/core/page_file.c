@@ -1,5 +1,5 @@
-// page_file.c - pieces of whole pages among reserved addresses, and the gaps between them, both in order. A piece that leaves the process is
-// written to the file at its own place, and mapped from there.
+// page_file.c - pieces of whole pages among reserved addresses, and the gaps between them, both in order. A piece that leaves the process
+// is written to the file at its own place, and mapped from there.
 #include "engine/core/page_file.h"
 
 #include <errno.h>

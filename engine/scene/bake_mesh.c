@@ -47,7 +47,8 @@ static bool check_size(const char *file, double side, const CellGraph *graph, bo
     return error_set(
         error,
         "%s: its light, about %.2g elements, takes more memory than there is for it, at least %.0f MB "
-        "(--memory MB allows more, --element M of larger elements takes less)",
+        "(--memory MB allows more, --element M of larger elements takes less, `enfilade bake` stores it in "
+        "parts)",
         file, elements, LEAST_BYTES * elements / (1 << 20));
 }
 

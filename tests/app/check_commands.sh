@@ -126,7 +126,7 @@ stage='making cells'
 over info $maps/villa.sh3d --memory 28
 stage=baking
 over bake $maps/house.plan --memory 80 -o "$work/over"
-expect 1 "$program" bake $maps/house.plan --memory 80 --element 0.1 -o "$work/over" && sentence && says err "its light, about 4.4e+05 elements, takes more memory than there is"
+expect 1 "$program" bake $maps/house.plan --memory 80 --element 0.1 --final-gather -o "$work/over" && sentence && says err "its light, about 4.4e+05 elements, takes more memory than there is"
 expect 0 "$program" info $maps/office.plan --memory 1000
 
 # The same bytes on 1, 2 and 7 threads, on every sample.

@@ -2,6 +2,7 @@
 #include "engine/scene/bake_parts.h"
 
 #include <string.h>
+#include <unistd.h>
 
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
@@ -383,6 +384,22 @@ static void bake_part(void *context, TeamMember *member) {
     arena_free(&arena);
 }
 
+// A folder goes if it is empty.
+static void leave_folder(void *path) { rmdir(path); }
+
+static bool run_apart(PartsBake *b, Error *error) {
+    Arena scratch = {0};
+    char *folder = arena_string(&scratch, b->keep->folder);
+    MemoryEnd end = {leave_folder, folder, NULL};
+    bool good = file_make_folder(folder, error);
+    memory_add_end(&end);
+    good = good && team_run(b->parts.count, bake_part, b, folder, error);
+    memory_remove_end(&end);
+    leave_folder(folder);
+    arena_free(&scratch);
+    return good;
+}
+
 bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells, const PartsKeep *keep,
                 const Progress *progress, Arena *arena, float **doors, Mesh *mesh, RadSolution *out,
                 PartsReport *report, Error *error) {
@@ -412,8 +429,10 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
         error_set(error,
                   "%s: has %d parts of %d cells at most, for %d processes: give --parts with fewer cells",
                   scene->building.source, b.parts.count, cells, team_ranks());
-    good = good && (!apart || file_make_folder(keep->folder, error)) &&
-           team_run(b.parts.count, bake_part, &b, apart ? keep->folder : NULL, error);
+    if (good && apart)
+        good = run_apart(&b, error);
+    else
+        good = good && team_run(b.parts.count, bake_part, &b, NULL, error);
     team_last_words(NULL);
     if (good && !b.good) {
         *error = b.error;

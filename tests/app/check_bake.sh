@@ -84,6 +84,8 @@ expect 1 "$program" render $maps/two-rooms.plan --light "$work/apart.rad" --eye 
 bake 1 -o "$work/apart.rad" --apart --parts 2 --resume && says err 'its light is whole' && sentence
 bake 2 -o "$work/apart.rad" --apart -o "$work/apart.glb" && says err 'no OUT.glb'
 bake 2 -o "$work/apart.rad" --apart --seconds 5 && says err 'parts has no'
+expect 1 "$program" bake $maps/house.plan --memory 80 -o "$work/over.rad" && sentence && says err 'baking takes more than 80 MB'
+[ ! -e "$work/over.rad.parts" ] || fail 'a bake that was refused leaves a folder'
 rm "$work"/apart.rad.parts/*
 expect 1 "$program" walk $maps/two-rooms.plan --light "$work/apart.rad" --offscreen "$work/apart" --size 64x48 --every 100 && says err '0-of-' && sentence
 # Of a program without MPI mpirun may start one process, not several.

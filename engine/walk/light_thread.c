@@ -51,11 +51,12 @@ struct LightThread {
     atomic_int turned;             // thousandths of a state of another day
     atomic_int lamps, lamps_done;  // LAMPS_KNOWN ..; thousandths
     LitStates *states;
-    WalkLight *base;                        // of `states`
-    WalkLight *followed;                    // the same if it follows the doors, to be ended; NULL
-    bool short_of_memory;                   // of the thread's own
-    Arena asked;                            // of the state asked for
-    int part_asked, part_fresh, part_held;  // as `fresh` and `held`, of light in parts; -1: none
+    WalkLight *base;            // of `states`
+    WalkLight *followed;        // the same if it follows the doors, to be ended; NULL
+    bool short_of_memory;       // of the thread's own
+    Arena asked;                // of the state asked for
+    int part_asked, part_held;  // of light in parts: as wanted, and as held; -1: none
+    atomic_int part_fresh;      // as `fresh`
     Arena room[2];  // light of other days or parts: each in the one that the light before does not lie in
     int at;
 };

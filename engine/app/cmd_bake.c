@@ -775,7 +775,8 @@ static const Option ROWS[] = {
      .at = AT(apart),
      .help =
          "store the light in parts: OUT.rad names those in the folder OUT.rad.parts; parts that wait lie on "
-         "the disk, so a building of any size fits in --memory; walks and pictures read the part where "
+         "the disk, so --memory needs room for the building and one part; walks and pictures read the part "
+         "where "
          "the eye is. The default where the whole does not fit"},
     {.name = "checkpoint",
      .value = "S",

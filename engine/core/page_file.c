@@ -272,9 +272,11 @@ static bool write_all(int fd, const char *from, size_t bytes, size_t at) {
 static bool move_out(PageFile *file, Span *piece) {
     char *at = file->base + piece->first;
     size_t bytes = piece->end - piece->first;
-    if (posix_fallocate(file->fd, (off_t)piece->first, (off_t)bytes) != 0 ||
-        !write_all(file->fd, at, bytes, piece->first)) {
+    int reason = posix_fallocate(file->fd, (off_t)piece->first, (off_t)bytes);
+    if (reason == 0 && !write_all(file->fd, at, bytes, piece->first)) reason = errno;
+    if (reason != 0) {
         leave_disk(file, piece->first, piece->end);
+        errno = reason;
         return false;
     }
     piece->marked = mmap(at, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file->fd,

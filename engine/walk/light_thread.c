@@ -468,6 +468,8 @@ double light_thread_lamps_done(const LightThread *t) { return atomic_load(&t->la
 bool light_thread_switches(const LightThread *t) { return atomic_load(&t->lamps) != LAMPS_NEVER; }
 
 void light_thread_ask_part(LightThread *t, int part) {
+    // Asked for in each frame: no frame waits for the lock where nothing changes.
+    if (t->part_asked == part && (t->part_fresh < 0 || t->part_fresh == part)) return;
     pthread_mutex_lock(&t->lock);
     if (t->part_fresh >= 0 && t->part_fresh != part) {
         t->fresh = t->part_fresh = -1;

@@ -79,6 +79,8 @@ typedef struct CellGraph {
     // How near a polygon must come to a cell to be registered there, metres: VIS_TOUCH, of a soup by its size.
     double touch;
     int dropped_slivers;  // surfaces and portals without area (VIS_SLIVER) that were left out
+    const struct VisQuery
+        *query;  // whose lists other queries share (vis_share_query); NULL: each has its own
 } CellGraph;
 
 // How near a polygon must come to a cell of a building of regions to be registered there, metres: more than the grid and
@@ -222,6 +224,9 @@ typedef struct VisibleCell {
 typedef struct VisQuery VisQuery;
 // All memory is taken here.
 VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena);
+// From now on queries of the graph share lists that lie in the arena: where many are made of a large building, each takes a part of the
+// memory and of the time.
+void vis_share_query(CellGraph *graph, const StabForest *forest, Arena *arena);
 
 // The visible set, and the work of finding it. It lies in the query, until this is asked again.
 typedef struct VisResult {

@@ -331,6 +331,7 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
                       .seconds = a->checkpoint > 0 ? a->checkpoint : DEFAULT_CHECKPOINT,
                       .resume = a->resume,
                       .apart = goes_apart(bake) ? bake->out : NULL};
+    vis_share_query(&bake->scene.graph, &bake->scene.forest, arena);
     bool good = bake_parts(&options, &bake->scene, part_cells(bake), keep.folder ? &keep : NULL, &progress,
                            arena, &bake->doors, &bake->mesh, &bake->solution, &bake->parts, error);
     app_progress_end();

@@ -1,5 +1,5 @@
 // team.c - a thread for each member, of which one runs at a time: whoever waits hands the turn to the next, and the last to come carries
-// all letters.
+// all letters. Turns go there and back: the last goes on first, since what it has is still in memory.
 #include "engine/team/team.h"
 
 #include <pthread.h>
@@ -19,8 +19,8 @@ typedef struct Seat {
 
 typedef struct Team {
     int count, first, end;  // members first .. end - 1 are of this process
-    int turn;               // the member that works, -1: none does yet
-    bool off;               // none will
+    int turn, step;  // the member that works, -1: none does yet; and how far it is to the next, 1 or -1
+    bool off;        // none will
     long long sent;
     Seat *seats;          // [count] of this process's members
     TeamMember *members;  // [count] the same
@@ -45,13 +45,17 @@ long long team_sent(const TeamMember *member) { return member->team->sent; }
 
 static int first_of_rank(int count, int rank) { return (int)((long long)count * rank / team_ranks()); }
 
-// Nobody works. Once members have much in memory, what they have goes: first of the one that worked last, whose turn is the farthest away.
+// The member that comes as number k between two meetings.
+static int member_at(const Team *team, int k) { return team->step > 0 ? team->first + k : team->end - 1 - k; }
+
+// Nobody works. Once members have much in memory, what they have goes, first of those whose turns are farthest away: of those that came,
+// up to `last`, in their order, and then of those that are to come, from the end.
 static void let_sleep(const Team *team, int last) {
-    int own = team->end - team->first;
+    int own = team->end - team->first, came = (last - member_at(team, 0)) * team->step + 1;
     Error error;
     if (!team->members[team->first].file) return;
     for (int i = 0; i < own && memory_much_resident(); i++)
-        if (!page_file_drop(team->members[team->first + (last - team->first + own - i) % own].file, &error))
+        if (!page_file_drop(team->members[member_at(team, i < came ? i : own - 1 - (i - came))].file, &error))
             memory_end_saying(error.text);
 }
 
@@ -111,7 +115,8 @@ static void unpack(Team *team, int rank, const char *from) {
 // The last of this process's members has come.
 static void carry_letters(Team *team) {
     int ranks = team_ranks(), own = team_rank();
-    for (int to = team->first; to < team->end; to++) {
+    for (int k = 0; k < team->end - team->first; k++) {
+        int to = member_at(team, k);
         team->seats[to].got = room_of(team, to, (size_t)team->count, sizeof(TeamBytes));
         for (int from = team->first; from < team->end; from++)
             hand_over(team, to, from, letter_of(&team->seats[from], to));
@@ -140,11 +145,14 @@ static const TeamBytes *meet(TeamMember *member, Seat seat) {
     Team *team = member->team;
     pthread_mutex_lock(&team->mutex);
     team->seats[member->index] = seat;
-    bool last = member->index + 1 == team->end;
+    bool last = member->index == member_at(team, team->end - team->first - 1);
     if (member->file) memory_sleep(member->file);
     if (last) carry_letters(team);
     let_sleep(team, member->index);
-    team->turn = last ? team->first : member->index + 1;
+    if (last)
+        team->step = -team->step;
+    else
+        team->turn += team->step;
     pthread_cond_broadcast(&team->changed);
     wait_for_turn(team, member->index);
     if (member->file) memory_wake(member->file);
@@ -176,7 +184,7 @@ static void *take_part(void *context) {
     memory_use_file(NULL);
     memory_leave_file(member->file);
     pthread_mutex_lock(&team->mutex);
-    team->turn = member->index + 1;
+    team->turn += team->step;
     pthread_cond_broadcast(&team->changed);
     pthread_mutex_unlock(&team->mutex);
     return NULL;
@@ -192,6 +200,7 @@ bool team_run(int count, void (*work)(void *context, TeamMember *member), void *
                  .first = first_of_rank(count, team_rank()),
                  .end = first_of_rank(count, team_rank() + 1),
                  .turn = -1,
+                 .step = 1,
                  .seats = ARENA_ARRAY(&arena, Seat, count),
                  .work = work,
                  .context = context};
@@ -228,22 +237,23 @@ bool team_run(int count, void (*work)(void *context, TeamMember *member), void *
 
 // ---- sums
 
-static void join(TeamMember *member, double *value, int count, bool most) {
+void team_join(TeamMember *member, double *sum, int sums, double *most, int mosts) {
     Arena scratch = {0};
-    const TeamBytes *all = team_collect(member, value, (size_t)count * sizeof *value, &scratch);
-    for (int i = 0; i < count; i++) {
-        double joined = most ? ((const double *)all[0].data)[i] : 0;
-        for (int m = most; m < team_count(member); m++) {
-            double one = ((const double *)all[m].data)[i];
-            joined = !most ? joined + one : one > joined ? one : joined;
-        }
-        value[i] = joined;
+    double *own = ARENA_ARRAY(&scratch, double, sums + mosts);
+    if (sums > 0) memcpy(own, sum, (size_t)sums * sizeof *own);
+    if (mosts > 0) memcpy(own + sums, most, (size_t)mosts * sizeof *own);
+    const TeamBytes *all = team_collect(member, own, (size_t)(sums + mosts) * sizeof *own, &scratch);
+    for (int i = 0; i < sums; i++) sum[i] = 0;
+    for (int m = 0; m < team_count(member); m++) {
+        const double *of = all[m].data;
+        for (int i = 0; i < sums; i++) sum[i] += of[i];
+        for (int i = 0; i < mosts; i++) most[i] = m == 0 || of[sums + i] > most[i] ? of[sums + i] : most[i];
     }
     arena_free(&scratch);
 }
 
-void team_sum(TeamMember *member, double *value, int count) { join(member, value, count, false); }
-void team_most(TeamMember *member, double *value, int count) { join(member, value, count, true); }
+void team_sum(TeamMember *member, double *value, int count) { team_join(member, value, count, NULL, 0); }
+void team_most(TeamMember *member, double *value, int count) { team_join(member, NULL, 0, value, count); }
 
 bool team_any(TeamMember *member, bool value) {
     double any = value;

@@ -39,6 +39,8 @@ const TeamBytes *team_exchange(TeamMember *member, const TeamBytes *to, Arena *a
 // Sums in the order of members, and maxima, of each of `count` values.
 void team_sum(TeamMember *member, double *value, int count);
 void team_most(TeamMember *member, double *value, int count);
+// Both at one meeting: members that sleep are woken once.
+void team_join(TeamMember *member, double *sum, int sums, double *most, int mosts);
 // Is it true of any member?
 bool team_any(TeamMember *member, bool value);
 

@@ -279,7 +279,7 @@ static void list_doors(Viewer *viewer, Arena *arena) {
     const Building *b = graph->building;
     Arena scratch = {0};
     bool *has_leaf = ARENA_ARRAY(&scratch, bool, b->opening_count + 1);
-    viewer->door_words = (b->opening_count + 63) / 64;
+    viewer->door_words = viewer_door_words(viewer->mesh);
     viewer->doors = ARENA_ARRAY(arena, uint64_t, viewer->door_words + 1);
     viewer->door_of = ARENA_ARRAY(arena, int, graph->object_count + 1);
     viewer->cell_first = ARENA_ARRAY(arena, int, graph->cell_count + 2);
@@ -307,7 +307,7 @@ static void list_doors(Viewer *viewer, Arena *arena) {
     arena_free(&scratch);
 }
 
-int viewer_door_words(const Viewer *viewer) { return viewer->door_words; }
+int viewer_door_words(const Mesh *mesh) { return (mesh->graph->building->opening_count + 63) / 64; }
 
 static void note_door(Viewer *viewer, int opening) {
     viewer->doors[opening / 64] |= (uint64_t)1 << opening % 64;

@@ -60,7 +60,7 @@ Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door
 // To be called when the mesh was posed anew (mesh_pose).
 void viewer_pose(Viewer *viewer);
 // Words of View.doors.
-int viewer_door_words(const Viewer *viewer);
+int viewer_door_words(const Mesh *mesh);
 // Valid until the next look. Allocates nothing. With CULL_NONE and CULL_DEPTH the view lists every face above the horizon. With
 // every culling but CULL_NONE the samplers may skip faces behind those already drawn. CULL_PLAN takes the squares of each cell.
 const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling);

@@ -108,40 +108,57 @@ static size_t count_values(const Mesh *mesh, const FaceSet *set, BorderUnit unit
     return sum;
 }
 
-void borders_fetch(const Borders *b, BorderUnit unit, void *value, size_t size) {
+// The values of faces, one after the other, go to `at`. Returns where they end.
+static char *put_values(const Mesh *mesh, const FaceSet *set, BorderValue value, char *at) {
+    for (int i = 0; i < set->count; i++) {
+        int first, count;
+        values_of(mesh, set->face[i], value.unit, &first, &count);
+        memcpy(at, (const char *)value.array + value.size * (size_t)first, value.size * (size_t)count);
+        at += value.size * (size_t)count;
+    }
+    return at;
+}
+
+// They come from `at`.
+static const char *take_values(const Mesh *mesh, const FaceSet *set, BorderValue value, const char *at) {
+    for (int i = 0; i < set->count; i++) {
+        int first, count;
+        values_of(mesh, set->face[i], value.unit, &first, &count);
+        memcpy((char *)value.array + value.size * (size_t)first, at, value.size * (size_t)count);
+        at += value.size * (size_t)count;
+    }
+    return at;
+}
+
+void borders_fetch(const Borders *b, const BorderValue *values, int count) {
     Arena scratch = {0};
-    int parts = team_count(b->member), first, count;
+    int parts = team_count(b->member);
     TeamBytes *to = ARENA_ARRAY(&scratch, TeamBytes, parts);
-    char *values = value;
     for (int p = 0; p < parts; p++) {
-        size_t bytes = size * count_values(b->mesh, &b->lent[p], unit);
-        char *at = arena_alloc(&scratch, bytes + 1, 1);
-        to[p] = (TeamBytes){at, bytes};
-        for (int i = 0; i < b->lent[p].count; i++, at += size * (size_t)count) {
-            values_of(b->mesh, b->lent[p].face[i], unit, &first, &count);
-            memcpy(at, values + size * (size_t)first, size * (size_t)count);
-        }
+        size_t bytes = 0;
+        for (int i = 0; i < count; i++)
+            bytes += values[i].size * count_values(b->mesh, &b->lent[p], values[i].unit);
+        char *out = arena_alloc(&scratch, bytes + 1, 1), *at = out;
+        for (int i = 0; i < count; i++) at = put_values(b->mesh, &b->lent[p], values[i], at);
+        to[p] = (TeamBytes){out, bytes};
     }
     const TeamBytes *from = team_exchange(b->member, to, &scratch);
     for (int p = 0; p < parts; p++) {
         const char *at = from[p].data;
-        for (int i = 0; i < b->foreign[p].count; i++, at += size * (size_t)count) {
-            values_of(b->mesh, b->foreign[p].face[i], unit, &first, &count);
-            memcpy(values + size * (size_t)first, at, size * (size_t)count);
-        }
+        for (int i = 0; i < count; i++) at = take_values(b->mesh, &b->foreign[p], values[i], at);
     }
     arena_free(&scratch);
 }
 
-// A letter holds, of those faces alone that have any light, their number in the list and their values.
-static TeamBytes write_light(const Mesh *mesh, const FaceSet *set, BorderUnit unit, double (*value)[3],
-                             Arena *arena) {
-    size_t most = (count_values(mesh, set, unit) + (size_t)set->count) * sizeof *value, size = 0;
-    char *out = arena_alloc(arena, most + 1, 1);
+// A letter holds, array by array, of those faces alone that have any light, their number in the list and their values; and -1.
+static size_t write_light(const Mesh *mesh, const FaceSet *set, BorderValue light, char *out) {
+    size_t size = 0;
+    int64_t end = -1;
+    double(*value)[3] = light.array;
     for (int i = 0; i < set->count; i++) {
         int first, count;
         bool any = false;
-        values_of(mesh, set->face[i], unit, &first, &count);
+        values_of(mesh, set->face[i], light.unit, &first, &count);
         for (int k = first; k < first + count && !any; k++)
             any = value[k][0] != 0 || value[k][1] != 0 || value[k][2] != 0;
         if (!any) continue;
@@ -152,25 +169,44 @@ static TeamBytes write_light(const Mesh *mesh, const FaceSet *set, BorderUnit un
         memset(value[first], 0, bytes);
         size += sizeof number + bytes;
     }
-    return (TeamBytes){out, size};
+    memcpy(out + size, &end, sizeof end);
+    return size + sizeof end;
 }
 
-void borders_bring(const Borders *b, BorderUnit unit, double (*value)[3]) {
+// Returns where the array ends.
+static const char *add_light(const Mesh *mesh, const FaceSet *set, BorderValue light, const char *at) {
+    double(*value)[3] = light.array;
+    for (;;) {
+        int first, count;
+        int64_t number;
+        memcpy(&number, at, sizeof number);
+        at += sizeof number;
+        if (number < 0) return at;
+        values_of(mesh, set->face[number], light.unit, &first, &count);
+        for (int k = first; k < first + count; k++, at += sizeof *value)
+            for (int c = 0; c < 3; c++) value[k][c] += ((const double *)at)[c];
+    }
+}
+
+void borders_bring(const Borders *b, const BorderValue *light, int count) {
     Arena scratch = {0};
-    int parts = team_count(b->member), first, count;
+    int parts = team_count(b->member);
     TeamBytes *to = ARENA_ARRAY(&scratch, TeamBytes, parts);
-    for (int p = 0; p < parts; p++) to[p] = write_light(b->mesh, &b->foreign[p], unit, value, &scratch);
+    for (int i = 0; i < count; i++) CORE_ASSERT(light[i].size == sizeof(double[3]));
+    for (int p = 0; p < parts; p++) {
+        const FaceSet *set = &b->foreign[p];
+        size_t most = 0, size = 0;
+        for (int i = 0; i < count; i++)
+            most += count_values(b->mesh, set, light[i].unit) * light[i].size +
+                    (size_t)(set->count + 1) * sizeof(int64_t);
+        char *out = arena_alloc(&scratch, most + 1, 1);
+        for (int i = 0; i < count; i++) size += write_light(b->mesh, set, light[i], out + size);
+        to[p] = (TeamBytes){out, size};
+    }
     const TeamBytes *from = team_exchange(b->member, to, &scratch);
     for (int p = 0; p < parts; p++) {
-        const char *at = from[p].data, *end = at + from[p].size;
-        while (at < end) {
-            int64_t number;
-            memcpy(&number, at, sizeof number);
-            at += sizeof number;
-            values_of(b->mesh, b->lent[p].face[number], unit, &first, &count);
-            for (int k = first; k < first + count; k++, at += sizeof *value)
-                for (int c = 0; c < 3; c++) value[k][c] += ((const double *)at)[c];
-        }
+        const char *at = from[p].data;
+        for (int i = 0; i < count; i++) at = add_light(b->mesh, &b->lent[p], light[i], at);
     }
     arena_free(&scratch);
 }

@@ -28,10 +28,17 @@ const int *borders_lent(const Borders *borders, int part, int *count);
 
 // An array with a value of `size` bytes for each patch or element of the mesh.
 typedef enum BorderUnit { BORDER_PATCH, BORDER_ELEMENT } BorderUnit;
-// Faces of others get the values that their owners have.
-void borders_fetch(const Borders *borders, BorderUnit unit, void *value, size_t size);
-// Vectors on faces of others are added to those of their owners, part after part, and become 0.
-void borders_bring(const Borders *borders, BorderUnit unit, double (*value)[3]);
+typedef struct BorderValue {
+    BorderUnit unit;
+    void *array;
+    size_t size;
+} BorderValue;
+#define BORDER_VALUE(unit, array) ((BorderValue){(unit), (array), sizeof *(array)})
+
+// `count` arrays go at one meeting. Faces of others get the values that their owners have.
+void borders_fetch(const Borders *borders, const BorderValue *values, int count);
+// Vectors, double[3], on faces of others are added to those of their owners, part after part, and become 0.
+void borders_bring(const Borders *borders, const BorderValue *values, int count);
 // The least of the `most` greatest of values of all parts, each of which gives `count`; INFINITY where there is none. `borders` NULL: of
 // one. Sorts the values.
 double borders_least(const Borders *borders, double *value, int count, double most);

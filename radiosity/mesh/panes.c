@@ -45,43 +45,65 @@ static Pane pane_in(const Opening *o) {
                   .room = -1};
 }
 
-// Lists the cells of an opening, and counts them: its own, or those on both sides of the portals that its door closes.
-static int list_cells(const CellGraph *graph, int opening, int *out) {
-    int count = 0;
+// The cells of each opening: its own, and those on both sides of the portals that its door closes.
+typedef struct OpeningCells {
+    int *first;  // [opening_count + 1] in `cells`
+    int *cells;
+} OpeningCells;
+
+// Counts a cell of an opening, or lists it where `out` is there; `last` [opening_count] is the cell that each had last.
+static void add_cell(int opening, int cell, int *last, int *end, int *out) {
+    if (opening < 0 || last[opening] == cell) return;
+    last[opening] = cell;
+    if (out) out[end[opening]] = cell;
+    end[opening]++;
+}
+
+static void each_cell(const CellGraph *graph, int *last, int *end, int *out) {
+    for (int o = 0; o < graph->building->opening_count; o++) last[o] = -1;
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = vis_region(graph, c);
-        bool own = region->kind == REGION_OPENING && region->opening == opening;
+        if (region->kind == REGION_OPENING) add_cell(region->opening, c, last, end, out);
         for (int w = graph->cells[c].first_way; w < graph->cells[c].first_way + graph->cells[c].way_count;
              w++)
-            own = own || graph->portals[graph->ways[w].portal].door == opening;
-        if (!own) continue;
-        if (out) out[count] = c;
-        count++;
+            add_cell(graph->portals[graph->ways[w].portal].door, c, last, end, out);
     }
-    return count;
+}
+
+static OpeningCells list_cells(const CellGraph *graph, Arena *arena) {
+    Arena scratch = {0};
+    int count = graph->building->opening_count;
+    int *last = ARENA_ARRAY(&scratch, int, count + 1), *end = ARENA_ARRAY(&scratch, int, count + 1);
+    OpeningCells out = {.first = ARENA_ARRAY(arena, int, count + 1)};
+    each_cell(graph, last, end, NULL);
+    for (int o = 0; o < count; o++) {
+        out.first[o + 1] = out.first[o] + end[o];
+        end[o] = out.first[o];
+    }
+    out.cells = ARENA_ARRAY(arena, int, out.first[count] + 1);
+    each_cell(graph, last, end, out.cells);
+    arena_free(&scratch);
+    return out;
 }
 
 Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena) {
     const Building *b = graph->building;
     Panes out = {.panes = NULL};
-    int glazed = 0, cells = 0;
+    int glazed = 0;
     for (int i = 0; i < b->opening_count; i++) glazed += holds_glass(&b->openings[i], door_open, i);
     if (glazed == 0) return out;
+    OpeningCells list = list_cells(graph, arena);
+    out.cells = list.cells;
     out.panes = ARENA_ARRAY(arena, Pane, glazed);
-    for (int pass = 0; pass < 2; pass++) {
-        if (pass > 0) out.cells = ARENA_ARRAY(arena, int, cells + 1);
-        cells = out.count = 0;
-        for (int i = 0; i < b->opening_count; i++) {
-            const Opening *o = &b->openings[i];
-            if (!holds_glass(o, door_open, i) || vec2_equal(o->line[0], o->line[1]) || !(o->head > o->sill))
-                continue;
-            Pane pane = pane_in(o);
-            pane.opening = i;
-            pane.first_cell = cells;
-            pane.cell_count = list_cells(graph, i, pass > 0 ? out.cells + cells : NULL);
-            cells += pane.cell_count;
-            out.panes[out.count++] = pane;
-        }
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        if (!holds_glass(o, door_open, i) || vec2_equal(o->line[0], o->line[1]) || !(o->head > o->sill))
+            continue;
+        Pane pane = pane_in(o);
+        pane.opening = i;
+        pane.first_cell = list.first[i];
+        pane.cell_count = list.first[i + 1] - list.first[i];
+        out.panes[out.count++] = pane;
     }
     return out;
 }

@@ -163,6 +163,9 @@ typedef struct Node {
     double count;  // leaves below it
 } Node;
 
+// Trees are pruned for so many costs of a leaf at a time: parts of a building are woken once for all of these.
+enum { MOST_COSTS = 16 };
+
 // Those of a group of faces.
 typedef struct Trees {
     const AdaptField *field;
@@ -170,14 +173,16 @@ typedef struct Trees {
     Node *nodes;  // children after their parents
     int count, capacity;
     int *roots, root_count, root_capacity;  // below 0: ~ the root of a face of another part of the building
-    double *below;  // [count] the least sum of squares and costs of each as it was pruned last
+    double *below;              // [count] the least sum of squares and costs of each as it was pruned last
+    double leaves[MOST_COSTS];  // of faces of this part, for each cost
     Arena arena;
 } Trees;
 
 typedef struct Forest {
     const Mesh *mesh;
-    Trees *groups;       // [group_count]
-    double cost;         // of a leaf, while it is pruned
+    Trees *groups;  // [group_count]
+    double cost[MOST_COSTS];
+    int costs;
     TeamMember *member;  // of a part of a building, or NULL
 } Forest;
 
@@ -332,49 +337,55 @@ static double prune_node(const Trees *t, Node *n, double cost) {
 static void prune_group(void *context, int group, int thread) {
     (void)thread;
     const Forest *forest = context;
-    const Trees *t = &forest->groups[group];
-    for (int i = t->count - 1; i >= 0; i--) t->below[i] = prune_node(t, &t->nodes[i], forest->cost);
+    Trees *t = &forest->groups[group];
+    for (int c = 0; c < forest->costs; c++) {
+        for (int i = t->count - 1; i >= 0; i--) t->below[i] = prune_node(t, &t->nodes[i], forest->cost[c]);
+        t->leaves[c] = 0;
+        for (int r = 0; r < t->root_count; r++)
+            t->leaves[c] += t->roots[r] < 0 ? 0 : t->nodes[t->roots[r]].count;
+    }
 }
 
-// Returns how many leaves are left.
-static double prune(Forest *forest, double cost) {
-    forest->cost = cost;
+// Sets how many leaves are left at each of the costs; the trees stay as the last of these leaves them.
+static void prune(Forest *forest, double *count) {
     each_group(forest, prune_group);
-    double count = 0;
-    for (int g = 0; g < group_count(forest->mesh); g++) {
-        const Trees *t = &forest->groups[g];
-        for (int r = 0; r < t->root_count; r++) count += t->roots[r] < 0 ? 0 : t->nodes[t->roots[r]].count;
+    for (int c = 0; c < forest->costs; c++) {
+        count[c] = 0;
+        for (int g = 0; g < group_count(forest->mesh); g++) count[c] += forest->groups[g].leaves[c];
     }
-    if (forest->member) team_sum(forest->member, &count, 1);
-    return count;
+    if (forest->member) team_sum(forest->member, count, forest->costs);
 }
 
 // Costs between which the one is that leaves as many elements as there may be, of the largest error of a root; what share of them is
 // near enough; and after how many tries it is, anyway.
 static const double LEAST_COST = 1e-12, NEAR_ENOUGH = 0.998;
-enum { MOST_TRIES = 24 };
-// A guess lies so far inside what is known, as a share, that each narrows it from either side.
-static const double INSIDE = 0.05;
+enum { MOST_TRIES = 4 };
 
-// So that there are at most so many. Counts go about as powers of costs: guesses lie on the line between what is known, as logarithms.
+// So that there are at most so many. Each try has costs at even steps, as logarithms, between what is known.
 static void prune_to(Forest *forest, double limit) {
-    double high = 0, most = fmax(limit, 1);
+    double high = 0, most = fmax(limit, 1), count[MOST_COSTS] = {0};
     for (int g = 0; g < group_count(forest->mesh); g++) {
         const Trees *t = &forest->groups[g];
         for (int i = 0; i < t->count; i++) high = fmax(high, t->nodes[i].all.error);
     }
     if (forest->member) team_most(forest->member, &high, 1);
-    double low = LEAST_COST * high, many = prune(forest, low);
-    if (many <= most) return;
-    double few = prune(forest, high);
-    for (int i = 0; i < MOST_TRIES && few < NEAR_ENOUGH * most; i++) {
-        double along = few > 0 ? log(many / most) / log(many / few) : 0.5;
-        double guess = low * pow(high / low, fmin(fmax(along, INSIDE), 1 - INSIDE));
-        double count = prune(forest, guess);
-        *(count > most ? &low : &high) = guess;
-        *(count > most ? &many : &few) = count;
+    double low = LEAST_COST * high;
+    forest->costs = MOST_COSTS;
+    for (int try = 0; try < MOST_TRIES && count[MOST_COSTS - 1] < NEAR_ENOUGH * most; try++) {
+        int enough = 0;
+        for (int c = 0; c < MOST_COSTS; c++)
+            forest->cost[c] = low > 0 ? low * pow(high / low, (double)c / (MOST_COSTS - 1)) : 0;
+        forest->cost[MOST_COSTS - 1] = high;
+        prune(forest, count);
+        while (enough < MOST_COSTS - 1 && count[enough] > most) enough++;
+        high = forest->cost[enough];
+        count[MOST_COSTS - 1] = count[enough];
+        if (enough == 0) break;
+        low = forest->cost[enough - 1];
     }
-    prune(forest, high);
+    forest->costs = 1;
+    forest->cost[0] = high;
+    prune(forest, count);
 }
 
 static void give_depth(const Trees *t, const Node *n, MeshDepth depth, MeshDepth *out) {
@@ -742,8 +753,9 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
     }
     // Other parts know best what covers the patches of their faces.
     if (a->borders) {
-        borders_fetch(a->borders, BORDER_ELEMENT, patch, sizeof *patch);
-        borders_fetch(a->borders, BORDER_ELEMENT, element, sizeof *element);
+        const BorderValue depths[] = {BORDER_VALUE(BORDER_ELEMENT, patch),
+                                      BORDER_VALUE(BORDER_ELEMENT, element)};
+        borders_fetch(a->borders, depths, 2);
     }
     return mesh_splits(mesh, patch, element, arena);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/shoot_elements.h"
 #include "radiosity/shoot/sunlight.h"
@@ -91,7 +92,7 @@ static void send_strong(const Mesh *mesh, ShootRows *rows, const Borders *border
                         RadSolution *out) {
     memcpy(out->strong, shoot_rows_strong(rows), (size_t)mesh->patch_count * sizeof *out->strong);
     memset(out->sent, 0, (size_t)mesh->patch_count * sizeof *out->sent);
-    if (borders) borders_fetch(borders, BORDER_PATCH, out->strong, sizeof *out->strong);
+    if (borders) borders_fetch(borders, &BORDER_VALUE(BORDER_PATCH, out->strong), 1);
     for (int p = 0; p < mesh->patch_count; p++) {
         if (!out->strong[p] || !mesh_owns(mesh, mesh->patches[p].face)) continue;
         if (!shoot_rows_of(rows, p)) {
@@ -105,7 +106,8 @@ static void send_strong(const Mesh *mesh, ShootRows *rows, const Borders *border
         send(mesh, out, p, shoot_rows_of(rows, p));
         shoot_rows_shot(rows, p);
     }
-    if (borders) borders_bring(borders, BORDER_PATCH, out->sent);
+    if (memory_in_file()) shoot_rows_rest(rows);
+    if (borders) borders_bring(borders, &BORDER_VALUE(BORDER_PATCH, out->sent), 1);
 }
 
 static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
@@ -166,10 +168,10 @@ static bool is_rounding(const RadSolution *s, double area, const double irradian
 }
 
 static void fetch_gathered(const Borders *borders, RadSolution *s) {
-    borders_fetch(borders, BORDER_PATCH, s->reflected, sizeof *s->reflected);
-    borders_fetch(borders, BORDER_PATCH, s->sent, sizeof *s->sent);
-    borders_fetch(borders, BORDER_PATCH, s->close, sizeof *s->close);
-    borders_fetch(borders, BORDER_PATCH, s->noise, sizeof *s->noise);
+    const BorderValue gathered[] = {BORDER_VALUE(BORDER_PATCH, s->reflected),
+                                    BORDER_VALUE(BORDER_PATCH, s->sent), BORDER_VALUE(BORDER_PATCH, s->close),
+                                    BORDER_VALUE(BORDER_PATCH, s->noise)};
+    borders_fetch(borders, gathered, 4);
 }
 
 // Light that goes on is gathered again where it has changed by more than this share, or by this share of the mean light.
@@ -234,8 +236,7 @@ bool gather_rows(const Mesh *mesh, ShootRows *rows, const RadOptions *options, R
         g.below[c] *= M_PI;
     }
     if (rgb_sum(day->beam) > 0) sunlight_elements(mesh, day, threads, solution->sun);
-    if (options->borders)
-        borders_fetch(options->borders, BORDER_ELEMENT, solution->sun, sizeof *solution->sun);
+    if (options->borders) borders_fetch(options->borders, &BORDER_VALUE(BORDER_ELEMENT, solution->sun), 1);
     if (follow) find_changed(mesh, solution, follow);
     for (int p = 0; p < mesh->patch_count; p++) {
         if (!mesh_owns(mesh, mesh->patches[p].face) || (follow && !follow->found.has[p])) continue;
@@ -260,6 +261,7 @@ bool gather_rows(const Mesh *mesh, ShootRows *rows, const RadOptions *options, R
     noisy = left;
     for (int i = 0; i < noisy; i++) shoot_rows_refine(rows, patch[i]);
     go_on = go_on && gather_patches(&g, patch, noisy, threads, progress);
+    if (memory_in_file()) shoot_rows_rest(rows);
     if (options->borders) {
         go_on = !team_any(borders_member(options->borders), !go_on);
         fetch_gathered(options->borders, solution);

@@ -14,6 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/gather_rows.h"
 #include "radiosity/shoot/room_shares.h"
@@ -454,22 +455,33 @@ static void bring(Shooter *s) {
     const Borders *borders = s->options->borders;
     RadSolution *out = s->solution;
     finish(s);
-    borders_bring(borders, BORDER_ELEMENT, out->radiosity);
-    borders_bring(borders, BORDER_ELEMENT, out->direct);
-    borders_bring(borders, BORDER_PATCH, out->unshot);
+    if (memory_in_file()) shoot_rows_rest(s->rows);
+    const BorderValue light[] = {BORDER_VALUE(BORDER_ELEMENT, out->radiosity),
+                                 BORDER_VALUE(BORDER_ELEMENT, out->direct),
+                                 BORDER_VALUE(BORDER_PATCH, out->unshot)};
+    borders_bring(borders, light, 3);
     shoot_elements_load(s->elements, out);
     for (int p = 0; p < out->patch_count; p++) s->receivers[p].unshot = channels_of(out->unshot[p]);
 }
 
-// The share of the light of all parts that is left, and the power of the strongest patch of all of them, W.
-static double share_left(Shooter *s, double emitted, double outdoors, double *strongest) {
-    TeamMember *member = borders_member(s->options->borders);
-    int patch = shoot_queue_top(&s->queue);
-    double left = s->left;
-    *strongest = patch < 0 ? 0 : s->queue.power[patch];
-    team_sum(member, &left, 1);
-    team_most(member, strongest, 1);
-    return left / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
+// Between two rounds, when the solution is whole, parts find out together:
+typedef struct Round {
+    bool stopped;  // progress of any of them asked to stop, or
+    bool over;     // no more may be looked at
+} Round;
+enum { ROUND_FLAGS = 3 };
+
+// They meet once, so that parts that sleep are woken once: a part that is asked to stop shoots in the round that has begun, as the others
+// do. `sum`, and `most` [mosts + ROUND_FLAGS], become those of all.
+static void end_round(const Shooter *s, double *sum, int sums, double *most, int mosts, Round *round) {
+    const RadOptions *o = s->options;
+    double *flag = most + mosts;
+    flag[0] = round->stopped;
+    flag[1] = round->over;
+    flag[2] = o->show && o->show_due(o->show_context);
+    team_join(borders_member(o->borders), sum, sums, most, mosts + ROUND_FLAGS);
+    *round = (Round){flag[0] > 0, flag[1] > 0};
+    if (o->show && (round->stopped || flag[2] > 0)) o->show(o->show_context, s->solution);
 }
 
 static void shoot_next(Shooter *s, const Mesh *mesh, int patch) {
@@ -493,13 +505,6 @@ static bool shoot_round(Shooter *s, const Mesh *mesh, double least, double goal)
     return true;
 }
 
-// Between two rounds the solution is whole.
-static void show_parts(const Shooter *s, TeamMember *member, bool stopped) {
-    const RadOptions *o = s->options;
-    if (o->show && team_any(member, stopped || o->show_due(o->show_context)))
-        o->show(o->show_context, s->solution);
-}
-
 static bool each_room(const Shooter *s) {
     return s->options->each_room && !s->options->lamps_only && !s->again;
 }
@@ -520,18 +525,25 @@ static int strongest_in_room(const Shooter *s, int room) {
     return strongest;
 }
 
-// Sums are of all parts. `most`: the power of the strongest patch of each room, W.
-static void measure_rooms_together(Shooter *s, const Mesh *mesh, double emitted, double *most) {
-    TeamMember *member = borders_member(s->options->borders);
+// Sums are of all parts. `most` [room_count + ROUND_FLAGS]: the power of the strongest patch of each room, W.
+static void measure_rooms_together(Shooter *s, const Mesh *mesh, double emitted, double *most, Round *round) {
+    Arena scratch = {0};
     RoomShares *rooms = s->rooms;
+    int count = rooms->room_count;
+    double *sum = ARENA_ARRAY(&scratch, double, 2 * count);
     room_shares_measure(rooms, mesh, s->solution, emitted);
-    for (int r = 0; r < rooms->room_count; r++) {
+    for (int r = 0; r < count; r++) {
         int patch = strongest_in_room(s, r);
         most[r] = patch < 0 ? 0 : unshot_power(&s->receivers[patch]);
+        sum[r] = rooms->left[r];
+        sum[count + r] = rooms->light[r];
     }
-    team_sum(member, rooms->left, rooms->room_count);
-    team_sum(member, rooms->light, rooms->room_count);
-    team_most(member, most, rooms->room_count);
+    end_round(s, sum, 2 * count, most, count, round);
+    for (int r = 0; r < count; r++) {
+        rooms->left[r] = sum[r];
+        rooms->light[r] = sum[count + r];
+    }
+    arena_free(&scratch);
 }
 
 // Shoots patches of at least `share` of `most` of their room, W, in rooms that lack light. A part that is the whole shoots in the first of
@@ -553,33 +565,32 @@ static bool shoot_rooms_round(Shooter *s, const Mesh *mesh, const double *most, 
 }
 
 // Goes on in rooms that lack light, in rounds. Returns whether progress asked to stop.
-static bool shoot_rooms_in_parts(Shooter *s, const Mesh *mesh, double emitted, const Progress *progress) {
-    TeamMember *member = borders_member(s->options->borders);
-    const double share = team_count(member) == 1 ? 0 : ROUND;
+static bool shoot_rooms_in_parts(Shooter *s, const Mesh *mesh, double emitted, Round round,
+                                 const Progress *progress) {
+    const double share = team_count(borders_member(s->options->borders)) == 1 ? 0 : ROUND;
     Arena arena = {0};
     RoomShares rooms = room_shares_new(mesh, &arena);
-    double *most = ARENA_ARRAY(&arena, double, rooms.room_count);
-    bool stopped = false, over = false;
+    double *most = ARENA_ARRAY(&arena, double, rooms.room_count + ROUND_FLAGS);
     s->rooms = &rooms;
     for (;;) {
-        measure_rooms_together(s, mesh, emitted, most);
-        if (over || room_shares_first(&rooms, s->options->residual) < 0) break;
-        stopped = team_any(member, !report_residual(s, progress));
-        show_parts(s, member, stopped);
-        if (stopped) break;
-        over = team_any(member, !shoot_rooms_round(s, mesh, most, share));
+        measure_rooms_together(s, mesh, emitted, most, &round);
+        if (round.stopped || round.over || room_shares_first(&rooms, s->options->residual) < 0) break;
+        round.stopped = !report_residual(s, progress);
+        round.over = !shoot_rooms_round(s, mesh, most, share);
         bring(s);
     }
     s->rooms = NULL;
     arena_free(&arena);
-    return stopped;
+    return round.stopped;
 }
 
 // Returns whether progress asked to stop.
 static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) {
-    TeamMember *member = borders_member(s->options->borders);
-    double sums[2] = {rgb_sum(s->solution->emitted), rgb_sum(s->solution->outdoors)}, most;
-    team_sum(member, sums, 2);
+    const double residual = s->options->residual;
+    double sums[2] = {rgb_sum(s->solution->emitted), rgb_sum(s->solution->outdoors)};
+    team_sum(borders_member(s->options->borders), sums, 2);
+    const double indoors = fmax(sums[0] - sums[1], LEAST_INDOORS * sums[0]);
+    Round round = {0};
     s->residual = 1;
     for (int patch; s->lamps_left > 0 && may_look(s, patch = shoot_queue_top(&s->queue));)
         shoot_next(s, mesh, patch);
@@ -587,15 +598,16 @@ static bool shoot_parts(Shooter *s, const Mesh *mesh, const Progress *progress) 
     bring(s);
     queue_reflected(s, mesh);
     if (s->options->lamps_only) return false;
-    for (bool over = false;;) {
-        s->residual = share_left(s, sums[0], sums[1], &most);
-        bool stopped = team_any(member, !report_residual(s, progress));
-        show_parts(s, member, stopped);
-        if (stopped || over || !(most > 0)) return stopped;
-        if (s->residual <= s->options->residual)
-            return each_room(s) && shoot_rooms_in_parts(s, mesh, sums[0], progress);
-        bool on = shoot_round(s, mesh, ROUND * most, s->left * s->options->residual / s->residual);
-        over = team_any(member, !on);
+    for (;;) {
+        int patch = shoot_queue_top(&s->queue);
+        double left = s->left, most[1 + ROUND_FLAGS] = {patch < 0 ? 0 : s->queue.power[patch]};
+        end_round(s, &left, 1, most, 1, &round);
+        s->residual = left / indoors;
+        if (round.stopped || round.over || !(most[0] > 0)) return round.stopped;
+        round.stopped = !report_residual(s, progress);
+        if (s->residual <= residual)
+            return each_room(s) && shoot_rooms_in_parts(s, mesh, sums[0], round, progress);
+        round.over = !shoot_round(s, mesh, ROUND * most[0], s->left * residual / s->residual);
         bring(s);
         queue_unshot(s, mesh);
     }
@@ -609,10 +621,10 @@ static void share_light(const Borders *borders, RadSolution *s) {
     team_sum(borders_member(borders), sums, 13);
     for (int i = 0; i < 12; i++) of[i / 3][i % 3] = sums[i];
     s->shots = (long long)sums[12];
-    borders_fetch(borders, BORDER_ELEMENT, s->radiosity, sizeof *s->radiosity);
-    borders_fetch(borders, BORDER_ELEMENT, s->direct, sizeof *s->direct);
-    borders_fetch(borders, BORDER_ELEMENT, s->daylight, sizeof *s->daylight);
-    borders_fetch(borders, BORDER_PATCH, s->unshot, sizeof *s->unshot);
+    const BorderValue found[] = {
+        BORDER_VALUE(BORDER_ELEMENT, s->radiosity), BORDER_VALUE(BORDER_ELEMENT, s->direct),
+        BORDER_VALUE(BORDER_ELEMENT, s->daylight), BORDER_VALUE(BORDER_PATCH, s->unshot)};
+    borders_fetch(borders, found, 4);
 }
 
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,

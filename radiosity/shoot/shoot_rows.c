@@ -37,6 +37,7 @@ typedef struct Maker {
     long long kept_count, made_bytes, faces;
     Panes panes;  // before the patch whose row is made
     double seconds_visibility;
+    long long elements_drawn;  // by tools that are gone
 } Maker;
 
 // A row that is being made, or that waits for its shot because there was no room to keep it.
@@ -76,7 +77,8 @@ struct ShootRows {
     bool *strong;     // [patch_count]
     bool *fine;       // [patch_count] the row has as many directions as those of lamps
     uint64_t *doors;  // [patch_count * door_words] those that the row depends on, as in View
-    int door_words;
+    int door_words;   // of a part of a building 0: its light does not follow doors
+    bool equipped;    // lines, shapes and the makers' tools are there
     bool full, settled;
     bool any_spread;  // lamps send their light by candela tables
     long long made;
@@ -129,7 +131,8 @@ static void equip_maker(void *context, int index, int thread) {
     Maker *maker = &rows->makers[index];
     if (rows->shapes)
         maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
-    maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, rows->mesh->graph->building->opening_count + 1);
+    int openings = rows->mesh->graph->building->opening_count, panes = rows->mesh->panes.count;
+    maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, (panes > openings ? panes : openings) + 1);
     FormFactorOptions usual = rows->usual, of_lamps = rows->of_lamps, of_small = rows->of_small;
     if (usual.day) usual.panes = of_lamps.panes = of_small.panes = &maker->panes;
     maker->form_factor = form_factor_new(method, rows->mesh, &usual, &maker->arena);
@@ -138,6 +141,35 @@ static void equip_maker(void *context, int index, int thread) {
         maker->of_lamps = form_factor_new(method, rows->mesh, &of_lamps, &maker->arena);
     maker->of_small = form_factor_new(method, rows->mesh, &of_small, &maker->arena);
     if (rows->any_spread) maker->spreads = spread_rows_new(rows->mesh, &of_lamps, &maker->arena);
+}
+
+static void equip(ShootRows *rows) {
+    if (rows->equipped) return;
+    parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
+    parallel_for(rows->threads, rows->threads, equip_maker, rows);
+    rows->equipped = true;
+}
+
+static long long elements_drawn(const ShootRows *rows, const Maker *maker) {
+    if (!rows->equipped) return maker->elements_drawn;
+    long long drawn = maker->elements_drawn + form_factor_work(maker->form_factor).elements_drawn +
+                      form_factor_work(maker->of_small).elements_drawn;
+    if (maker->of_lamps != maker->form_factor) drawn += form_factor_work(maker->of_lamps).elements_drawn;
+    return drawn;
+}
+
+void shoot_rows_rest(ShootRows *rows) {
+    for (int t = 0; t < rows->threads && rows->equipped; t++) {
+        Maker *maker = &rows->makers[t];
+        maker->elements_drawn = elements_drawn(rows, maker);
+        if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
+        form_factor_end(maker->of_small);
+        if (maker->spreads) spread_rows_end(maker->spreads);
+        form_factor_end(maker->form_factor);
+        arena_free(&maker->arena);
+    }
+    for (int i = 0; i < SHARED; i++) arena_free(&rows->shared[i]);
+    rows->equipped = false;
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -162,8 +194,6 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     for (int f = 0; f < mesh->face_count; f++) rows->any_spread = rows->any_spread || mesh_spread(mesh, f);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
-    parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
-    parallel_for(rows->threads, rows->threads, equip_maker, rows);
     rows->slot_count = AHEAD_MOST * rows->threads;
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
     rows->making = ARENA_ARRAY(arena, int, rows->slot_count);
@@ -171,7 +201,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->fine = ARENA_ARRAY(arena, bool, mesh->patch_count);
-    rows->door_words = viewer_door_words(rows->makers[0].viewer);
+    rows->door_words = options->borders ? 0 : viewer_door_words(mesh);
     rows->doors = ARENA_ARRAY(arena, uint64_t, (size_t)mesh->patch_count * (size_t)rows->door_words + 1);
     rows->full = options->row_bytes == 0;
     // So that a byte tells which element of its patch one is.
@@ -181,17 +211,9 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
 }
 
 void shoot_rows_end(ShootRows *rows) {
-    for (int t = 0; t < rows->threads; t++) {
-        Maker *maker = &rows->makers[t];
-        if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
-        form_factor_end(maker->of_small);
-        if (maker->spreads) spread_rows_end(maker->spreads);
-        form_factor_end(maker->form_factor);
-        arena_free(&rows->makers[t].arena);
-        arena_free(&rows->makers[t].kept);
-    }
+    shoot_rows_rest(rows);
+    for (int t = 0; t < rows->threads; t++) arena_free(&rows->makers[t].kept);
     for (int i = 0; i < rows->slot_count; i++) arena_free(&rows->slots[i].arena);
-    for (int i = 0; i < SHARED; i++) arena_free(&rows->shared[i]);
 }
 
 int shoot_rows_most(const ShootRows *rows) { return rows->slot_count; }
@@ -398,7 +420,7 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
                 (rgb_sum(solution->direct[e]) + rgb_sum(solution->daylight[e])) * mesh->elements[e].area;
     }
     if (borders) {
-        borders_fetch(borders, BORDER_PATCH, power, sizeof *power);
+        borders_fetch(borders, &BORDER_VALUE(BORDER_PATCH, power), 1);
         team_sum(borders_member(borders), &patches, 1);
     }
     CellLight cell_light = light_of_cells(rows, power, &scratch);
@@ -525,6 +547,7 @@ static void close_patch(void *context, int index, int thread) {
 }
 
 void shoot_rows_close(ShootRows *rows, const Mesh *closed) {
+    equip(rows);
     rows->mesh = closed;
     for (int t = 0; t < rows->threads; t++)
         rows->makers[t].panes.panes = ARENA_ARRAY(&rows->makers[t].arena, Pane, closed->panes.count + 1);
@@ -645,12 +668,12 @@ int shoot_rows_move(ShootRows *rows, const MovedDoors *moved, bool *dropped) {
         count++;
     }
     for (int t = 0; t < rows->threads; t++) {
-        viewer_pose(rows->makers[t].viewer);
+        if (rows->equipped) viewer_pose(rows->makers[t].viewer);
         kept += rows->makers[t].kept_bytes;
     }
     if ((double)bytes_there(rows) < (1 - MOST_GAPS) * (double)kept) close_gaps(rows);
     move_middles(rows);
-    if (rows->shapes) near_shapes_pose(rows->shapes, rows->mesh);
+    if (rows->equipped && rows->shapes) near_shapes_pose(rows->shapes, rows->mesh);
     return count;
 }
 
@@ -675,6 +698,7 @@ void shoot_rows_make(ShootRows *rows, int *patches, int count) {
         for (int i = 0; rows->waiting_count > 0; i++)
             if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
     CORE_ASSERT(count <= rows->slot_count);
+    equip(rows);
     // One after the other, patches of a room find their faces in the cache, where the last one left them.
     qsort(patches, (size_t)count, sizeof *patches, by_index);
     for (int i = 0, at = 0; i < count; i++, at++) {
@@ -700,11 +724,7 @@ void shoot_rows_report(const ShootRows *rows, RadReport *report) {
     report->rows_kept = 0;
     for (int t = 0; t < rows->threads; t++) {
         faces += rows->makers[t].faces;
-        const Maker *maker = &rows->makers[t];
-        elements += form_factor_work(maker->form_factor).elements_drawn +
-                    form_factor_work(maker->of_small).elements_drawn;
-        if (maker->of_lamps != maker->form_factor)
-            elements += form_factor_work(maker->of_lamps).elements_drawn;
+        elements += elements_drawn(rows, &rows->makers[t]);
         report->seconds_visibility += rows->makers[t].seconds_visibility;
         report->row_bytes += rows->makers[t].kept_bytes;
         report->rows_kept += rows->makers[t].kept_count;

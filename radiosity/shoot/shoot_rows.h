@@ -29,6 +29,8 @@ typedef struct ShootRow {
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, const Daylight *day, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
+// Frees what rows are made with, until the next one is made: for a part of a building that is to sleep (memory_in_file). The rows stay.
+void shoot_rows_rest(ShootRows *rows);
 
 // Chooses the patches whose rows have as many directions as those of lamps: those that reflect most light straight from lamps, sun and sky,
 // for the light of their cell. Direct light must be complete in the solution. To be called before any patch but lamps gets a row; without

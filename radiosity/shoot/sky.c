@@ -224,7 +224,7 @@ static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
         w->part = ARENA_ARRAY(&w->arena, SkyPart, SKY_PARTS_MOST);
         w->met = ARENA_ARRAY(&w->arena, int, most);
         w->rays = ARENA_ARRAY(&w->arena, Ray, most);
-        w->doors = ARENA_ARRAY(&w->arena, uint64_t, viewer_door_words(w->viewer) + 1);
+        w->doors = ARENA_ARRAY(&w->arena, uint64_t, viewer_door_words(s->mesh) + 1);
     }
     for (int i = 0; i < 2; i++) w->panes[i].panes = ARENA_ARRAY(&w->arena, Pane, s->mesh->panes.count + 1);
 }
@@ -593,7 +593,7 @@ static SkyLooks *looks_new(const Mesh *mesh, const StabForest *forest, const flo
     for (int t = 0; t < s->threads; t++) make_watcher(s, door_open, &s->watchers[t]);
     s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
     if (keep) {
-        s->door_words = viewer_door_words(s->watchers[0].viewer);
+        s->door_words = viewer_door_words(mesh);
         size_t words = (size_t)s->door_words;
         s->known = ARENA_ARRAY(&arena, bool, mesh->patch_count + 1);
         s->doors = ARENA_ARRAY(&arena, uint64_t, (size_t)mesh->patch_count * words + 1);
@@ -639,13 +639,12 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     SkyLooks *s = options->sky ? options->sky : looks_new(mesh, forest, door_open, options, false);
     turn_to(s, day);
     bool good = all_go_on(options, shine_outdoors(s, mesh, progress, solution));
-    if (good && borders) borders_fetch(borders, BORDER_ELEMENT, s->looks, sizeof *s->looks);
+    if (good && borders) borders_fetch(borders, &BORDER_VALUE(BORDER_ELEMENT, s->looks), 1);
     good = good && all_go_on(options, shine_sun(s, mesh, progress, solution)) &&
            all_go_on(options, shine_in(s, mesh, progress, solution));
-    if (good && borders) {
-        borders_bring(borders, BORDER_ELEMENT, solution->radiosity);
-        borders_bring(borders, BORDER_PATCH, solution->unshot);
-    }
+    const BorderValue light[] = {BORDER_VALUE(BORDER_ELEMENT, solution->radiosity),
+                                 BORDER_VALUE(BORDER_PATCH, solution->unshot)};
+    if (good && borders) borders_bring(borders, light, 2);
     solution->day = *day;
     for (int p = 0; p < mesh->patch_count; p++) {
         double emitted[3];
@@ -654,8 +653,7 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
             for (int c = 0; c < 3; c++)
                 solution->daylight[e][c] = fmax(solution->radiosity[e][c] - emitted[c], 0);
     }
-    if (good && borders)
-        borders_fetch(borders, BORDER_ELEMENT, solution->daylight, sizeof *solution->daylight);
+    if (good && borders) borders_fetch(borders, &BORDER_VALUE(BORDER_ELEMENT, solution->daylight), 1);
     if (!options->sky) sky_looks_end(s);
     return good;
 }

@@ -670,7 +670,7 @@ GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
             share[i] *= (float)panes_transmit(&self->panes, view->eye,
                                               element_centroid(self->scene.mesh, row->element[i]));
     }
-    int words = viewer_door_words(self->viewer);
+    int words = viewer_door_words(self->scene.mesh);
     uint64_t *doors = view->doors ? ARENA_ARRAY(arena, uint64_t, words + 1) : NULL;
     if (doors) memcpy(doors, view->doors, (size_t)words * sizeof *doors);
     SkyPart *part = ARENA_ARRAY(arena, SkyPart, row->sky_part_count + 1);

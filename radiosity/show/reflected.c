@@ -299,8 +299,6 @@ static GatherRow copy_row(const GatherRow *row, int words, Arena *arena) {
     return out;
 }
 
-static int door_words(const Mesh *mesh) { return (mesh->graph->building->opening_count + 63) / 64; }
-
 // Takes over the rows of parts that are the same on the mesh that showed light before, under the day at hand.
 static void take_rows(PartRows *rows, const PartRows *before) {
     const ReflectedPlaces *to = rows->places, *from = before->places;
@@ -320,7 +318,7 @@ static void take_rows(PartRows *rows, const PartRows *before) {
         for (int k = first[to->in[to->part[i]]]; k >= 0; k = next[k]) {
             if (vec3_length(vec3_sub(element_centroid(before->shown, from->part[k]), middle)) > SAME_PLACE)
                 continue;
-            rows->row[i] = copy_row(&before->row[k], door_words(rows->shown), &rows->kept[0]);
+            rows->row[i] = copy_row(&before->row[k], viewer_door_words(rows->shown), &rows->kept[0]);
             rows->row[i].sky =
                 sky_parts_light(rows->row[i].sky_part, rows->row[i].sky_part_count, &rows->solution.day);
             rows->leaf[i] = before->leaf[k];
@@ -412,7 +410,7 @@ int part_rows_move(PartRows *rows, const Mesh *shown, const MovedDoors *moved) {
         dropped++;
     }
     for (int t = 0; rows->gatherer && t < rows->thread_count; t++) gatherer_pose(rows->gatherer[t]);
-    if (rows->count > 0) close_gaps(rows, door_words(shown));
+    if (rows->count > 0) close_gaps(rows, viewer_door_words(shown));
     return dropped;
 }
 
@@ -580,7 +578,7 @@ bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *
     parallel_for(workers, times(shown->element_count), light_middles, &between);
     if (borders) {
         go_on = !team_any(borders_member(borders), !go_on);
-        borders_fetch(borders, BORDER_ELEMENT, places->value, sizeof *places->value);
+        borders_fetch(borders, &BORDER_VALUE(BORDER_ELEMENT, places->value), 1);
     }
     if (go_on)
         reconstruct_values(shown, nodes, false, places->value, places->anew, out, NULL,

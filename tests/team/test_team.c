@@ -10,7 +10,9 @@ enum { MEMBERS = 5 };
 
 typedef struct Seen {
     double sum[MEMBERS], most[MEMBERS];
+    double joined[MEMBERS][3];
     bool any[MEMBERS], none[MEMBERS], letters[MEMBERS];
+    int turn[3 * MEMBERS], turns;
     int at_once, most_at_once;
 } Seen;
 
@@ -43,14 +45,20 @@ static void take_part(void *context, TeamMember *member) {
     seen->at_once--;
     seen->sum[own] = seen->most[own] = TERMS[own];
     team_sum(member, &seen->sum[own], 1);
+    seen->turn[seen->turns++] = own;
     team_most(member, &seen->most[own], 1);
+    seen->turn[seen->turns++] = own;
+    double *joined = seen->joined[own];
+    joined[0] = own, joined[1] = -own, joined[2] = own == 2;
+    team_join(member, joined, 1, joined + 1, 2);
+    seen->turn[seen->turns++] = own;
     seen->any[own] = team_any(member, own == 3);
     seen->none[own] = team_any(member, false);
     seen->letters[own] = exchange(member);
 }
 
 // Proves that all members get the same sum, added up in their order to the last bit: 1e16 swallows the 1 after it, and the others stay.
-// Letters come whole to whom they were written, and members take turns.
+// Letters come whole to whom they were written, and members take turns, there and back: the last before a meeting is the first after it.
 Test(team, sums_and_letters) {
     Seen seen = {0};
     Error error;
@@ -59,8 +67,13 @@ Test(team, sums_and_letters) {
         cr_expect_eq(seen.sum[i], 4, "member %d has the sum %g", i, seen.sum[i]);
         cr_expect_eq(seen.most[i], 1e16);
         cr_expect(seen.any[i] && !seen.none[i]);
+        const double *joined = seen.joined[i];
+        cr_expect(joined[0] == 10 && joined[1] == 0 && joined[2] == 1, "%g %g %g", joined[0], joined[1],
+                  joined[2]);
         cr_expect(seen.letters[i], "member %d has wrong letters", i);
     }
+    static const int TURNS[3 * MEMBERS] = {4, 3, 2, 1, 0, 0, 1, 2, 3, 4, 4, 3, 2, 1, 0};
+    for (int i = 0; i < 3 * MEMBERS; i++) cr_expect_eq(seen.turn[i], TURNS[i], "turn %d", i);
     cr_expect_eq(seen.most_at_once, 1);
     cr_expect_eq(team_ranks(), 1);
 }

@@ -458,6 +458,7 @@ void vis_register(const CellGraph *graph, const Polygon *polygons, const Vec3 *v
     Arena scratch = {0};
     CellBuilder builder = {.arena = arena, .scratch = &scratch, .graph = out};
     *out = *graph;
+    out->query = NULL;
     out->object_boxes = ARENA_ARRAY(arena, Box, graph->object_count);
     memcpy(out->object_boxes, graph->object_boxes, (size_t)graph->object_count * sizeof *out->object_boxes);
     Registered there = by_object(graph, &scratch);

@@ -21,34 +21,70 @@ static int forest_depth(const StabForest *forest, Arena *scratch) {
     return deepest;
 }
 
-VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena) {
-    VisQuery *q = arena_alloc(arena, 1, sizeof *q);
-    Arena scratch = {0};
-    q->graph = graph;
-    q->forest = forest;
-    q->cones = ARENA_ARRAY(arena, Cone, forest_depth(forest, &scratch) + 1);
-    arena_free(&scratch);
-    q->every_cell = ARENA_ARRAY(arena, uint64_t, forest->words);
-    q->joined = ARENA_ARRAY(arena, uint64_t, forest->words);
-    q->joined_cell = ARENA_ARRAY(arena, int, graph->cell_count);
-    memset(q->every_cell, 0xff, (size_t)forest->words * sizeof *q->every_cell);
-    q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
-    q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
-    q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
-    q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
-    q->drawn_words = ARENA_ARRAY(arena, uint64_t, graph->object_count / 4096 + 1);
-    q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
-    q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
-    query_list_objects(q, arena);
-    query_list_ways(q, arena);
-    query_prepare_walk(q, arena);
+static void list_traits(VisQuery *q, Arena *arena) {
+    const CellGraph *graph = q->graph;
     q->traits = arena_alloc(arena, (size_t)graph->object_count, sizeof *q->traits);
     for (int i = 0; i < graph->object_count; i++) {
         const Object *object = &graph->objects[i];
         q->traits[i].polygon_count = object->polygon_count;
         q->traits[i].plug = object->plug ? object->opening : -1;
     }
+}
+
+static void *copy_of(const void *from, int count, size_t size, Arena *arena) {
+    void *copy = arena_alloc(arena, (size_t)count, size);
+    if (count > 0) memcpy(copy, from, (size_t)count * size);
+    return copy;
+}
+
+// A query has its own of what it writes.
+static void share_lists(VisQuery *q, const VisQuery *from, Arena *arena) {
+    q->of_cell = copy_of(from->of_cell, q->graph->cell_count, sizeof *q->of_cell, arena);
+    for (int c = 0; c < q->graph->cell_count; c++) q->of_cell[c].frame = 0;
+    q->boxes = from->boxes;
+    q->middle = from->middle;
+    q->ways = from->ways;
+    q->block_count = from->block_count;
+    q->portal_of = from->portal_of;
+    q->way_of = from->way_of;
+    q->sloped = copy_of(from->sloped, from->sloped_count, sizeof *q->sloped, arena);
+    q->sloped_count = from->sloped_count;
+    q->traits = from->traits;
+    q->depth = from->depth;
+}
+
+VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena) {
+    VisQuery *q = arena_alloc(arena, 1, sizeof *q);
+    q->graph = graph;
+    q->forest = forest;
+    q->every_cell = ARENA_ARRAY(arena, uint64_t, forest->words);
+    q->joined = ARENA_ARRAY(arena, uint64_t, forest->words);
+    q->joined_cell = ARENA_ARRAY(arena, int, graph->cell_count);
+    memset(q->every_cell, 0xff, (size_t)forest->words * sizeof *q->every_cell);
+    q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
+    q->drawn_words = ARENA_ARRAY(arena, uint64_t, graph->object_count / 4096 + 1);
+    q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
+    q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    if (graph->query && graph->query->forest == forest) {
+        share_lists(q, graph->query, arena);
+    } else {
+        q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
+        query_list_objects(q, arena);
+        query_list_ways(q, arena);
+        list_traits(q, arena);
+        Arena scratch = {0};
+        q->depth = forest_depth(forest, &scratch);
+        arena_free(&scratch);
+    }
+    q->cones = ARENA_ARRAY(arena, Cone, q->depth + 1);
+    query_prepare_walk(q, arena);
     return q;
+}
+
+void vis_share_query(CellGraph *graph, const StabForest *forest, Arena *arena) {
+    graph->query = vis_query_new(graph, forest, arena);
 }
 
 bool vis_shown(const Object *object, const float *door_open) {

@@ -112,15 +112,17 @@ typedef struct CellView {
 struct VisQuery {
     const CellGraph *graph;
     const StabForest *forest;
-    Cone *cones;     // [depth of the deepest tree + 1] one for each level; the first is the eye's own
+    int depth;       // of the deepest tree
+    Cone *cones;     // [depth + 1] one for each level; the first is the eye's own
     WayBlock *ways;  // [block_count] a cell's own, then the next cell's
     int block_count;
     int *portal_of;           // [4 * block_count]
     int *way_of;              // [2 * portal_count] from cell[0] and from cell[1]
     struct ViewBlock *views;  // [block_count] as ways; see query_walk.c
     unsigned *view_frame;     // [block_count] the last query that wrote them: apart, where it is soon asked
-    Sloped *sloped;           // [ways that are no upright rectangles]
-    uint64_t *queue;          // [4 * block_count] ways to go through, a heap: see query_walk.c
+    Sloped *sloped;           // [sloped_count] ways that are no upright rectangles
+    int sloped_count;
+    uint64_t *queue;  // [4 * block_count] ways to go through, a heap: see query_walk.c
     int queue_count;
     CellView *of_cell;        // [cell_count]
     struct BoxBlock *boxes;   // of cells that hold few; see query_cell.c

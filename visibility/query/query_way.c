@@ -59,7 +59,7 @@ static bool set_way(const VisQuery *q, int cell, Way leads, int sloped, WayBlock
     return wall;
 }
 
-static void list_ways_of(VisQuery *q, int c, Arena *arena, int *sloped_count, int *sloped_capacity) {
+static void list_ways_of(VisQuery *q, int c, Arena *arena, int *sloped_capacity) {
     const CellGraph *graph = q->graph;
     const Cell *cell = &graph->cells[c];
     int first = q->of_cell[c].first_block;
@@ -69,9 +69,9 @@ static void list_ways_of(VisQuery *q, int c, Arena *arena, int *sloped_count, in
         int way = first * FOUR + i;
         q->way_of[2 * leads.portal + (portal->cell[0] == c ? 0 : 1)] = way;
         q->portal_of[way] = leads.portal;
-        if (set_way(q, c, leads, *sloped_count, &q->ways[way / FOUR], way % FOUR)) continue;
+        if (set_way(q, c, leads, q->sloped_count, &q->ways[way / FOUR], way % FOUR)) continue;
         Box box = portal_box(graph, portal);
-        Sloped *sloped = ARENA_PUSH(arena, q->sloped, *sloped_count, *sloped_capacity);
+        Sloped *sloped = ARENA_PUSH(arena, q->sloped, q->sloped_count, *sloped_capacity);
         sloped->centre = vec3_lerp(box.min, box.max, 0.5);
         sloped->half = vec3_sub(box.max, sloped->centre);
     }
@@ -79,7 +79,7 @@ static void list_ways_of(VisQuery *q, int c, Arena *arena, int *sloped_count, in
 
 void query_list_ways(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
-    int blocks = 0, sloped_count = 0, sloped_capacity = 0;
+    int blocks = 0, sloped_capacity = 0;
     for (int c = 0; c < graph->cell_count; c++) {
         q->of_cell[c].first_block = blocks;
         q->of_cell[c].block_count = (graph->cells[c].way_count + FOUR - 1) / FOUR;
@@ -90,7 +90,7 @@ void query_list_ways(VisQuery *q, Arena *arena) {
     q->portal_of = ARENA_ARRAY(arena, int, FOUR *blocks);
     q->way_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
     for (int k = 0; k < blocks; k++) q->ways[k].d = four_of(INFINITY);
-    for (int c = 0; c < graph->cell_count; c++) list_ways_of(q, c, arena, &sloped_count, &sloped_capacity);
+    for (int c = 0; c < graph->cell_count; c++) list_ways_of(q, c, arena, &sloped_capacity);
 }
 
 ViewWay query_way(const VisQuery *q, int way) {

@@ -5,6 +5,7 @@
 #include "tests/support/fixture.h"
 #include "tests/support/support.h"
 #include "tests/visibility/vis_fixture.h"
+#include "visibility/query/query.h"
 
 static Eye random_eye(const Made *m, Random *random, int *cell) {
     *cell = random_index(random, m->graph.cell_count);
@@ -107,6 +108,41 @@ Test(query, methods_are_ordered) {
     }
     cr_assert_lt(drawn[CULL_STAB], drawn[CULL_PLAN]);
     cr_assert_lt(drawn[CULL_STAB], 0.25 * drawn[CULL_NONE]);
+    arena_free(&m.arena);
+}
+
+static void expect_same(const VisResult *a, const VisResult *b, int eye) {
+    cr_assert(a->cell_count == b->cell_count && a->object_count == b->object_count &&
+                  a->polygon_count == b->polygon_count && a->portals_tested == b->portals_tested,
+              "eye %d: %d and %d cells, %d and %d objects", eye, a->cell_count, b->cell_count,
+              a->object_count, b->object_count);
+    for (int i = 0; i < a->cell_count; i++)
+        cr_assert(a->cells[i].cell == b->cells[i].cell && a->cells[i].distance == b->cells[i].distance);
+    for (int i = 0; i < a->object_count; i++) cr_assert_eq(a->objects[i], b->objects[i]);
+}
+
+// Proves that queries with shared lists tell what one with lists of its own does, to the last bit, though two of them are asked in turn for
+// other eyes; and that it does so still after the lists are shared. Storeys have level portals, whose parts in view queries keep.
+Test(query, shared_lists_change_nothing) {
+    enum { QUERIES = 3, EYES = 600 };
+    Made m;
+    vis_check_make(&m, 4, 4, 4, 2, 1, 0);
+    VisQuery *own = vis_query_new(&m.graph, &m.forest, &m.arena), *query[QUERIES];
+    vis_share_query(&m.graph, &m.forest, &m.arena);
+    for (int i = 0; i < QUERIES; i++) query[i] = vis_query_new(&m.graph, &m.forest, &m.arena);
+    cr_assert(query[0]->ways == query[1]->ways && query[0]->ways != own->ways);
+    cr_expect_gt(own->sloped_count, 0);
+    Random random = {9};
+    float *doors = ARENA_ARRAY(&m.arena, float, m.building->opening_count + 1);
+    for (int i = 0; i < EYES; i++) {
+        int cell;
+        Eye eye = random_eye(&m, &random, &cell);
+        Culling culling = (Culling)(CULL_PORTALS + i % 3);
+        for (int d = 0; d < m.building->opening_count; d++) doors[d] = random_unit(&random) < 0.6;
+        VisResult expected = vis_query(own, &eye, cell, doors, culling),
+                  shared = vis_query(query[i % QUERIES], &eye, cell, doors, culling);
+        expect_same(&expected, &shared, i);
+    }
     arena_free(&m.arena);
 }
 

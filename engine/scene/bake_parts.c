@@ -291,18 +291,24 @@ static bool store_apart(PartsBake *b, Keeper *keeper, Borders *borders, const Me
     const LoadedScene *scene = b->scene;
     TeamMember *member = keeper->member;
     int own = team_index(member), parts = team_count(member), openings = scene->building.opening_count;
-    Arena arena = {0};
+    Arena arena = {0}, letters = {0};
     Error error = {""};
     Mesh unlit;
     RadSolution light;
-    TeamBytes *to = ARENA_ARRAY(&arena, TeamBytes, parts);
+    TeamBytes *to = ARENA_ARRAY(&letters, TeamBytes, parts);
     float *doors = ARENA_ARRAY(&arena, float, openings + 1);
     memcpy(doors, keeper->doors, (size_t)openings * sizeof *doors);
     double level = count_light(b, member, mesh, solution);
-    bool good = joined_pack_each(mesh, solution, doors, borders, found, to, &error);
-    if (!all_did(b, member, good, &error)) return false;
-    const TeamBytes *from = team_exchange(member, to, &arena);
+    bool good = joined_pack_each(mesh, solution, doors, borders, &letters, to, &error);
+    // Of all parts that would be several times what is written.
     arena_free(found);
+    good = all_did(b, member, good, &error);
+    const TeamBytes *from = good ? team_exchange(member, to, &arena) : NULL;
+    arena_free(&letters);
+    if (!good) {
+        arena_free(&arena);
+        return false;
+    }
     MeshOptions options = b->options.mesh;
     MeshPart part = part_of(&b->parts, &scene->forest, own, options.close, &arena);
     options.part = &part;

@@ -987,16 +987,34 @@ static int sharing_corners(const Direct *d, int node) {
     return in_one_plane(d, node) ? 1 : d->nodes->first[node + 1] - d->nodes->first[node];
 }
 
+typedef struct Sharing {
+    const Direct *d;
+    int *count;  // [node_count]
+} Sharing;
+enum { NODES_A_GROUP = 4096 };
+
+static void count_sharing(void *context, int group, int thread) {
+    (void)thread;
+    const Sharing *s = context;
+    int first = group * NODES_A_GROUP, end = first + NODES_A_GROUP;
+    for (int n = first; n < end && n < s->d->nodes->count; n++) s->count[n] = sharing_corners(s->d, n);
+}
+
 static void join_corners(const Direct *d, double (*out)[3]) {
     const Mesh *mesh = d->mesh;
-    memset(out, 0, (size_t)d->nodes->count * sizeof *out);
+    Arena scratch = {0};
+    int nodes = d->nodes->count;
+    Sharing sharing = {d, ARENA_ARRAY(&scratch, int, nodes + 1)};
+    parallel_for(d->threads, (nodes + NODES_A_GROUP - 1) / NODES_A_GROUP, count_sharing, &sharing);
+    memset(out, 0, (size_t)nodes * sizeof *out);
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-            int node = d->nodes->of_corner[c], count = sharing_corners(d, node);
-            for (int k = 0; k < 3; k++) out[node][k] += d->at_corner[c][k] / count;
+            int node = d->nodes->of_corner[c];
+            for (int k = 0; k < 3; k++) out[node][k] += d->at_corner[c][k] / sharing.count[node];
         }
     }
+    arena_free(&scratch);
 }
 
 static bool node_is_settled(const Direct *d, int node) {

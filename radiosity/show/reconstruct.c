@@ -9,6 +9,7 @@
 #include "radiosity/show/reconstruct.h"
 
 #include "engine/core/error.h"
+#include "engine/core/parallel.h"
 #include "engine/core/polygon.h"
 
 // A node's value is a sum of its elements' with factors that sum to 1; the sum of their squares says how much noise of elements
@@ -631,37 +632,91 @@ static void add_rests(const Fit *fit, const bool *covered, double (*value)[3], d
     for (int c = 0; c < 3; c++) out[c] = fmax(fitted[c] + (count ? more[c] / count : 0), 0);
 }
 
+// On several threads, each with a fit of its own. What outlives the call is kept by one thread, in its arena.
+enum { FITS_A_GROUP = 1024 };
+
+typedef struct Fitting {
+    Fit *fit;        // [threads]
+    NodeFit *one;    // [threads] of the node at hand, where nothing outlives the call
+    Arena *scratch;  // [threads]
+    int units, threads;
+    bool keeps;
+    ValueFits *kept;
+    double (*value)[3], (*out)[3];
+} Fitting;
+
+static void fit_nodes(void *context, int group, int thread) {
+    const Fitting *f = context;
+    Fit *fit = &f->fit[thread];
+    int first = group * FITS_A_GROUP, end = first + FITS_A_GROUP;
+    for (int n = first; n < end && n < fit->nodes->count; n++) {
+        if (fit->wanted && !fit->wanted[n]) continue;
+        NodeFit *at = f->keeps ? &f->kept->node[n] : &f->one[thread];
+        if (!f->keeps) at->there = false;
+        take_factors(fit, n, f->keeps ? f->kept->arena : &fit->scratch, at);
+        fit_value(at, f->value, f->kept->fitted[n]);
+    }
+}
+
+static void find_rests(void *context, int group, int thread) {
+    const Fitting *f = context;
+    Arena *scratch = &f->scratch[thread];
+    int first = group * FITS_A_GROUP, end = first + FITS_A_GROUP;
+    for (int u = first; u < end && u < f->units; u++) {
+        arena_reset(scratch);
+        rest_of_value(&f->fit[thread], f->kept->fitted, u, f->value[u], scratch, &f->kept->unit[u],
+                      f->kept->rest[u]);
+    }
+}
+
+static void finish_nodes(void *context, int group, int thread) {
+    const Fitting *f = context;
+    const Fit *fit = &f->fit[thread];
+    int first = group * FITS_A_GROUP, end = first + FITS_A_GROUP;
+    for (int n = first; n < end && n < fit->nodes->count; n++)
+        if (!fit->wanted || fit->wanted[n])
+            add_rests(fit, f->kept->covered, f->value, f->kept->rest, n, f->kept->fitted[n], f->out[n]);
+}
+
+static void each_group_of(Fitting *f, int count, void (*body)(void *context, int group, int thread)) {
+    parallel_for(f->threads, (count + FITS_A_GROUP - 1) / FITS_A_GROUP, body, f);
+}
+
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
                         const bool *wanted, double (*out)[3], double (*rest)[3], ValueFits *kept) {
-    Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches, .wanted = wanted};
-    Arena scratch = {0};
-    int units = of_patches ? mesh->patch_count : mesh->element_count;
-    fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, units + 1);
-    fit.stamp = ARENA_ARRAY(&fit.scratch, int, units + 1);
+    Arena arena = {0};
+    ValueFits own = {.arena = &arena};
+    int units = of_patches ? mesh->patch_count : mesh->element_count,
+        threads = kept ? 1 : parallel_threads(mesh->options.threads);
+    Fitting f = {.fit = ARENA_ARRAY(&arena, Fit, threads),
+                 .one = ARENA_ARRAY(&arena, NodeFit, threads),
+                 .scratch = ARENA_ARRAY(&arena, Arena, threads),
+                 .units = units,
+                 .threads = threads,
+                 .keeps = kept != NULL,
+                 .kept = kept ? kept : &own,
+                 .value = value,
+                 .out = out};
+    Vec3 *centroid = ARENA_ARRAY(&arena, Vec3, units + 1);
     for (int u = 0; u < units; u++)
-        fit.centroid[u] = of_patches ? mesh->patches[u].centre : element_centroid(mesh, u);
-    ValueFits own = {.arena = &fit.scratch};
-    if (!kept) kept = &own;
-    use_kept(&fit, units, value, kept);
-    fit.covered = kept->covered;
-    NodeFit one = {0};
-    for (int n = 0; n < nodes->count; n++) {
-        if (wanted && !wanted[n]) continue;
-        NodeFit *at = kept == &own ? &one : &kept->node[n];
-        one.there = false;
-        take_factors(&fit, n, kept->arena, at);
-        fit_value(at, value, kept->fitted[n]);
+        centroid[u] = of_patches ? mesh->patches[u].centre : element_centroid(mesh, u);
+    for (int t = 0; t < threads; t++) {
+        Fit *fit = &f.fit[t];
+        *fit = (Fit){.mesh = mesh, .nodes = nodes, .of_patches = of_patches, .wanted = wanted};
+        fit->centroid = centroid;
+        fit->stamp = ARENA_ARRAY(&fit->scratch, int, units + 1);
+        if (t == 0) use_kept(fit, units, value, f.kept);
+        fit->covered = f.kept->covered;
     }
-    for (int u = 0; u < units; u++) {
-        arena_reset(&scratch);
-        rest_of_value(&fit, kept->fitted, u, value[u], &scratch, &kept->unit[u], kept->rest[u]);
+    each_group_of(&f, nodes->count, fit_nodes);
+    each_group_of(&f, units, find_rests);
+    each_group_of(&f, nodes->count, finish_nodes);
+    if (rest) memcpy(rest, f.kept->rest, (size_t)units * sizeof *rest);
+    for (int t = 0; t < threads; t++) {
+        arena_free(&f.fit[t].scratch);
+        arena_free(&f.scratch[t]);
     }
-    for (int n = 0; n < nodes->count; n++)
-        if (!wanted || wanted[n])
-            add_rests(&fit, kept->covered, value, kept->rest, n, kept->fitted[n], out[n]);
-    if (rest) memcpy(rest, kept->rest, (size_t)units * sizeof *rest);
-    arena_free(&scratch);
-    arena_free(&fit.scratch);
+    arena_free(&arena);
 }
 
 void reconstruct_values_again(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],

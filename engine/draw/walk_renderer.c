@@ -159,6 +159,11 @@ void walk_renderer_drop(WalkRenderer *w) {
     w->lit = NULL;
 }
 
+void walk_renderer_darken(WalkRenderer *w) {
+    w->light = NULL;
+    walk_renderer_drop(w);
+}
+
 bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
     CORE_ASSERT(!walk_renderer_fading(w));
     if (!walk_renderer_prepare(w, light, bytes)) return false;

@@ -37,6 +37,8 @@ bool walk_renderer_take(WalkRenderer *renderer, const LitLight *light, size_t by
 // Or it is dropped, and so is a mesh whose first state was not taken.
 bool walk_renderer_prepare(WalkRenderer *renderer, const LitLight *light, size_t bytes);
 void walk_renderer_drop(WalkRenderer *renderer);
+// Drops the light that is shown as well, and its mesh, which the caller may free.
+void walk_renderer_darken(WalkRenderer *renderer);
 void walk_renderer_fade(WalkRenderer *renderer, double seconds);  // advances the fade
 bool walk_renderer_fading(const WalkRenderer *renderer);
 const LitMesh *

@@ -135,7 +135,11 @@ static Arena *next_room(FilmLight *f) {
 bool film_light_come(FilmLight *f, int cell, Error *error) {
     int part = f->source.parts ? light_part_of(f->source.parts, cell) : -1;
     if (part < 0 || part == f->part) return true;
-    Arena *room = next_room(f);
+    // No frame is drawn meanwhile, so the part before it goes first: a large building has memory for one of them.
+    walk_renderer_darken(f->renderer);
+    f->light = NULL;
+    Arena *room = &f->source.room[0];
+    arena_free(room);
     WalkLight *light = ARENA_ARRAY(room, WalkLight, 1);
     if (!light_load_part(f->source.parts, part, room, light, error)) return false;
     f->part = part;

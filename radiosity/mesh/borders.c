@@ -174,7 +174,7 @@ static size_t write_light(const Mesh *mesh, const FaceSet *set, BorderValue ligh
 }
 
 // Returns where the array ends.
-static const char *add_light(const Mesh *mesh, const FaceSet *set, BorderValue light, const char *at) {
+static const char *add_vectors(const Mesh *mesh, const FaceSet *set, BorderValue light, const char *at) {
     double(*value)[3] = light.array;
     for (;;) {
         int first, count;
@@ -206,7 +206,7 @@ void borders_bring(const Borders *b, const BorderValue *light, int count) {
     const TeamBytes *from = team_exchange(b->member, to, &scratch);
     for (int p = 0; p < parts; p++) {
         const char *at = from[p].data;
-        for (int i = 0; i < count; i++) at = add_light(b->mesh, &b->lent[p], light[i], at);
+        for (int i = 0; i < count; i++) at = add_vectors(b->mesh, &b->lent[p], light[i], at);
     }
     arena_free(&scratch);
 }

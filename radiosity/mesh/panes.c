@@ -52,7 +52,7 @@ typedef struct OpeningCells {
 } OpeningCells;
 
 // Counts a cell of an opening, or lists it where `out` is there; `last` [opening_count] is the cell that each had last.
-static void add_cell(int opening, int cell, int *last, int *end, int *out) {
+static void note_cell(int opening, int cell, int *last, int *end, int *out) {
     if (opening < 0 || last[opening] == cell) return;
     last[opening] = cell;
     if (out) out[end[opening]] = cell;
@@ -63,10 +63,10 @@ static void each_cell(const CellGraph *graph, int *last, int *end, int *out) {
     for (int o = 0; o < graph->building->opening_count; o++) last[o] = -1;
     for (int c = 0; c < graph->cell_count; c++) {
         const Region *region = vis_region(graph, c);
-        if (region->kind == REGION_OPENING) add_cell(region->opening, c, last, end, out);
+        if (region->kind == REGION_OPENING) note_cell(region->opening, c, last, end, out);
         for (int w = graph->cells[c].first_way; w < graph->cells[c].first_way + graph->cells[c].way_count;
              w++)
-            add_cell(graph->portals[graph->ways[w].portal].door, c, last, end, out);
+            note_cell(graph->portals[graph->ways[w].portal].door, c, last, end, out);
     }
 }
 

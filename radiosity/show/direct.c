@@ -495,14 +495,15 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
     if (!report) report = &work;
     direct_start(&d, mesh, forest, &nodes, &solution->day, &scratch);
     tell_sources_apart(&d, sources);
-    double counts[3] = {d.lamp_count, direct_pairs(&d), 0};
+    double counts[4] = {d.lamp_count, direct_pairs(&d), 0, mesh->patch_count};
     for (int e = 0; e < mesh->element_count; e++) counts[2] += mesh_owns(mesh, mesh->elements[e].face);
     if (borders) {
-        team_sum(borders_member(borders), counts, 3);
+        team_sum(borders_member(borders), counts, 4);
         settle_others(&d);
     }
     const DirectSources *lamps = sources ? sources->lamps : NULL;
-    const bool exact_lamps = counts[0] > 0 && counts[1] <= DIRECT_MOST_PAIRS;
+    const bool exact_lamps =
+        counts[0] > 0 && counts[1] <= fmax(DIRECT_MOST_PAIRS, DIRECT_PAIRS_A_PATCH * counts[3]);
     d.lamps = exact_lamps && !lamps;
     if (exact_lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;

@@ -777,8 +777,7 @@ static const Option ROWS[] = {
      .help =
          "store the light in parts: OUT.rad names those in the folder OUT.rad.parts; parts that wait lie on "
          "the disk, so --memory needs room for the building and one part; walks and pictures read the part "
-         "where "
-         "the eye is. The default where the whole does not fit"},
+         "where the eye is. The default where the whole does not fit"},
     {.name = "checkpoint",
      .value = "S",
      .type = OPTION_NUMBER,

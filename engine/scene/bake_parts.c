@@ -300,7 +300,7 @@ static bool store_apart(PartsBake *b, Keeper *keeper, Borders *borders, const Me
     memcpy(doors, keeper->doors, (size_t)openings * sizeof *doors);
     double level = count_light(b, member, mesh, solution);
     bool good = joined_pack_each(mesh, solution, doors, borders, &letters, to, &error);
-    // All parts together would have several times what is written.
+    // It goes before letters are carried: all parts together have several times what is written.
     arena_free(found);
     good = all_did(b, member, good, &error);
     const TeamBytes *from = good ? team_exchange(member, to, &arena) : NULL;

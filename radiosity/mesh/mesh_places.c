@@ -150,11 +150,7 @@ int places_body(const Places *places, int place) { return places->links[place].b
 
 static Cube cube_in(const PlaceGrid *grid, Vec3 p) { return cube_at(p, grid->size, grid->shift); }
 
-// Cubes lie in blocks of four each way, whose slots are side by side: neighbours are fetched together.
-static unsigned slot_of(const PlaceGrid *grid, Cube cube) {
-    unsigned within = (unsigned)((cube.x & 3) | (cube.y & 3) << 2 | (cube.z & 3) << 4);
-    return (cube_hash((Cube){cube.x >> 2, cube.y >> 2, cube.z >> 2}) << 6 | within) & (grid->slot_count - 1);
-}
+static unsigned slot_of(const PlaceGrid *grid, Cube cube) { return cube_hash(cube) & (grid->slot_count - 1); }
 
 static PlaceGrid place_grid(const Places *places, double size, Arena *arena) {
     const Vec3 *points = places->points;

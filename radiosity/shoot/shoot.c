@@ -464,7 +464,7 @@ static void bring(Shooter *s) {
     for (int p = 0; p < out->patch_count; p++) s->receivers[p].unshot = channels_of(out->unshot[p]);
 }
 
-// Between two rounds, when the solution is whole, parts find out together:
+// Parts find this out together between two rounds, when the solution is whole.
 typedef struct Round {
     bool stopped;  // progress of any of them asked to stop, or
     bool over;     // no more may be looked at

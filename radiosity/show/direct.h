@@ -73,7 +73,7 @@ void direct_show_straight(DirectSources *sources, double (*share)[3], const RadS
                           Arena *arena, RadSolution *out);
 
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot: more than so
-// many, and more than so many for each patch, since large buildings have more of both. A patch of a generated campus sees 40 lamps.
+// many, and more than so many for each patch, since large buildings have more of both. A patch of a generated campus has 40 to 50.
 #define DIRECT_MOST_PAIRS 20e6
 #define DIRECT_PAIRS_A_PATCH 100
 

@@ -21,7 +21,7 @@ struct WalkLit {
     int end[2 * WALK_RUNS];  // in `list`: where each run of things ends, then of surfaces
     const WalkTextures *textures;
     WalkPicture *picture;                // [vertex_count], or NULL: nothing has a picture
-    unsigned char *run;                  // [polygon_count] as in walk_textures.h
+    unsigned char *run;                  // [face_count] as in walk_textures.h
     int vertices_there, pictures_there;  // vertices uploaded so far of LitMesh, and of `picture`
     int light_there,
         newest;  // vertices of the arriving light uploaded so far; the newest complete buffer, -1: none
@@ -64,7 +64,7 @@ static unsigned make_buffer(size_t bytes) {
 
 // Two texels a material: reflectance and radiant exitance, W/m^2.
 static void upload_materials(WalkLit *lit) {
-    const Building *b = lit->mesh->mesh->graph->building;
+    const Building *b = lit->mesh->graph->building;
     Arena scratch = {0};
     float(*texels)[2][4] = arena_alloc(&scratch, (size_t)b->material_count + 1, sizeof *texels);
     for (int i = 0; i < b->material_count; i++) {
@@ -90,19 +90,17 @@ static Vec3 vertex_place(const LitMesh *mesh, int vertex) {
 
 static void place_pictures(WalkLit *lit, Arena *arena) {
     const LitMesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->mesh->graph;
-    lit->run = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
+    const CellGraph *graph = mesh->graph;
+    lit->run = ARENA_ARRAY(arena, unsigned char, mesh->face_count + 1);
     if (walk_textures_runs(lit->textures) == 1) return;
     lit->picture = ARENA_ARRAY(arena, WalkPicture, lit_vertex_count(mesh) + 1);
-    for (int p = 0; p < graph->polygon_count; p++) {
-        const Polygon *polygon = &graph->polygons[p];
+    for (int f = 0; f < mesh->face_count; f++) {
+        const LitFace *face = &mesh->faces[f];
+        const Polygon *polygon = &graph->polygons[face->polygon];
         const Vec3 *corners = graph->vertices + polygon->first_vertex;
-        int face = mesh->mesh->face_of[p];
-        bool leaf = face >= 0 && graph->objects[mesh->mesh->faces[face].object].leaf >= 0;
-        lit->run[p] = (unsigned char)walk_textures_run(lit->textures, polygon);
-        for (int v = mesh->first_vertex[p]; v < mesh->first_vertex[p + 1]; v++) {
-            Vec3 point =
-                leaf ? vertex_place(mesh, v) : mesh->mesh->vertices[mesh->mesh->corners[mesh->source[v]]];
+        lit->run[f] = (unsigned char)walk_textures_run(lit->textures, polygon);
+        for (int v = face->first_vertex; v < face[1].first_vertex; v++) {
+            Vec3 point = vertex_place(mesh, v);
             walk_textures_place(lit->textures, polygon, corners[0], &point, 1, &lit->picture[v]);
         }
     }
@@ -113,12 +111,12 @@ static void place_pictures(WalkLit *lit, Arena *arena) {
 
 // At the next pose all leaves are moved and lit anew.
 static void forget_leaves(WalkLit *lit) {
-    for (int i = 0; i < lit->mesh->mesh->graph->building->leaf_count; i++) lit->share[i] = NAN;
+    for (int i = 0; i < lit->mesh->graph->building->leaf_count; i++) lit->share[i] = NAN;
 }
 
 // Lists the plugs of doors by opening.
 static void find_plugs(WalkLit *lit, Arena *arena) {
-    const CellGraph *graph = lit->mesh->mesh->graph;
+    const CellGraph *graph = lit->mesh->graph;
     int openings = graph->building->opening_count, *fill = ARENA_ARRAY(arena, int, openings + 2);
     for (int o = 0; o < graph->object_count; o++)
         if (graph->objects[o].plug) fill[graph->objects[o].opening + 2]++;
@@ -132,17 +130,16 @@ static void find_plugs(WalkLit *lit, Arena *arena) {
 WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures) {
     Arena own = {0}, *arena = &own;
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
-    const CellGraph *graph = mesh->mesh->graph;
+    const CellGraph *graph = mesh->graph;
     size_t vertices = (size_t)lit_vertex_count(mesh);
     *lit = (WalkLit){.mesh = mesh, .textures = textures, .newest = -1};
     lit->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
-    lit->list = ARENA_ARRAY(arena, unsigned, mesh->first_index[graph->polygon_count] + 1);
+    lit->list = ARENA_ARRAY(arena, unsigned, mesh->faces[mesh->face_count].first_index + 1);
     int most = 0;
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
         if (object->leaf < 0 && !object->plug) continue;
-        int count = mesh->first_vertex[object->first_polygon + object->polygon_count] -
-                    mesh->first_vertex[object->first_polygon];
+        int count = lit_object_end(mesh, object)->first_vertex - lit_object_begin(mesh, object)->first_vertex;
         most = count > most ? count : most;
     }
     lit->leaf = arena_alloc(arena, (size_t)most + 1, sizeof *lit->leaf);
@@ -191,7 +188,8 @@ static void switch_lamps(WalkLit *lit, const LitLight *light) {
     const LitMesh *mesh = lit->mesh;
     glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
     for (int i = 0; i < mesh->lamp_count; i++) {
-        int first = mesh->first_vertex[mesh->lamp[i]], end = mesh->first_vertex[mesh->lamp[i] + 1];
+        const LitFace *lamp = &mesh->faces[mesh->lamp[i]];
+        int first = lamp->first_vertex, end = lamp[1].first_vertex;
         if (first == end || mesh->vertex[first].emits == light->on[i]) continue;
         for (int v = first; v < end; v++) mesh->vertex[v].emits = light->on[i];
         glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
@@ -236,9 +234,8 @@ static void put_place(float out[3], Vec3 p) {
 // Uploads lit->leaf as the newest light of an object.
 static void put_light(const WalkLit *lit, int object) {
     const LitMesh *mesh = lit->mesh;
-    const Object *o = &mesh->mesh->graph->objects[object];
-    int first = mesh->first_vertex[o->first_polygon],
-        end = mesh->first_vertex[o->first_polygon + o->polygon_count];
+    const Object *o = &mesh->graph->objects[object];
+    int first = lit_object_begin(mesh, o)->first_vertex, end = lit_object_end(mesh, o)->first_vertex;
     glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[lit->newest]);
     glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *lit->leaf),
                     (GLsizeiptr)((size_t)(end - first) * sizeof *lit->leaf), lit->leaf);
@@ -246,18 +243,17 @@ static void put_light(const WalkLit *lit, int object) {
 
 static void move_leaf(WalkLit *lit, const LitLight *light, int object, double open) {
     const LitMesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->mesh->graph;
+    const CellGraph *graph = mesh->graph;
     const Object *o = &graph->objects[object];
     const Leaf *leaf = &graph->building->leaves[o->leaf];
-    int first = mesh->first_vertex[o->first_polygon],
-        end = mesh->first_vertex[o->first_polygon + o->polygon_count];
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        const Polygon *polygon = &graph->polygons[p];
+    int first = lit_object_begin(mesh, o)->first_vertex, end = lit_object_end(mesh, o)->first_vertex;
+    for (const LitFace *face = lit_object_begin(mesh, o); face < lit_object_end(mesh, o); face++) {
+        const Polygon *polygon = &graph->polygons[face->polygon];
         Vec3 corner[3];
         for (int i = 0; i < 3; i++)
             corner[i] = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
         Vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        for (int v = mesh->first_vertex[p]; v < mesh->first_vertex[p + 1]; v++) {
+        for (int v = face->first_vertex; v < face[1].first_vertex; v++) {
             LitVertex *moved = &lit->moved[v - first];
             *moved = mesh->vertex[v];
             put_place(moved->position, vec3_sub(leaf_point(leaf, open, vertex_place(mesh, v)), mesh->origin));
@@ -282,9 +278,9 @@ static void light_plugs(WalkLit *lit, const LitLight *light, int opening) {
 }
 
 void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) {
-    const Building *b = lit->mesh->mesh->graph->building;
+    const Building *b = lit->mesh->graph->building;
     for (int o = 0; o < b->object_count; o++) {
-        int leaf = lit->mesh->mesh->graph->objects[o].leaf;
+        int leaf = lit->mesh->graph->objects[o].leaf;
         if (leaf < 0) continue;
         float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
         if (lit->share[leaf] != share) move_leaf(lit, light, o, (double)share);
@@ -301,16 +297,16 @@ void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) 
 static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, const unsigned char *left_out,
                        bool surfaces, int run, int at) {
     const LitMesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->mesh->graph;
     for (int k = 0; k < count; k++) {
-        const Object *o = &graph->objects[objects[k]];
+        const Object *o = &mesh->graph->objects[objects[k]];
         if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
-        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-            if (left_out && left_out[p]) continue;
+        for (const LitFace *face = lit_object_begin(mesh, o); face < lit_object_end(mesh, o); face++) {
+            if (left_out && left_out[face->polygon]) continue;
             // As in the other looks: where two surfaces lie back to back, each is seen only from inside its own cell.
-            if (lit->run[p] != run || (surfaces && plane_distance(mesh->plane[p], eye) <= 0)) continue;
-            int indices = mesh->first_index[p + 1] - mesh->first_index[p];
-            memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);
+            if (lit->run[face - mesh->faces] != run || (surfaces && plane_distance(face->plane, eye) <= 0))
+                continue;
+            int indices = face[1].first_index - face->first_index;
+            memcpy(lit->list + at, mesh->index + face->first_index, (size_t)indices * sizeof *lit->list);
             at += indices;
         }
     }

@@ -127,7 +127,7 @@ WalkRenderer *walk_renderer_new_limited(const CellGraph *graph, const WalkStoreL
 }
 
 bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, Error *error) {
-    LitMesh *mesh = lit_mesh_new(light->mesh, arena);
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena, arena);
     LitLight *state = ARENA_ARRAY(arena, LitLight, 1);
     *state = lit_light_new(mesh, arena);
     lit_light_fill(mesh, light->solution, light->door_open, state);

@@ -5,7 +5,6 @@
 // The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
 #include "engine/lit/exposure.h"
 
-#include "engine/scene/light_level.h"
 #include "engine/shade/walk_shade.h"
 
 // A place of middling brightness gets this value before the curve of the screen; it is high because rooms are mostly light paint.
@@ -43,8 +42,7 @@ static void add_element_exposure(const LitMesh *lit, const LitLight *light, cons
 
 double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *camera, const int *objects,
                       int object_count) {
-    const Mesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->graph;
+    const CellGraph *graph = lit->graph;
     // Walls, floors and ceilings are enough to meter; the graph of a polygon soup has no surfaces of cells, only objects.
     bool surfaces_only = graph->surface_first[graph->cell_count] > graph->surface_first[0];
     int cell = daylight_shines(&light->day) ? vis_locate(graph, camera->eye, -1) : -1;
@@ -54,11 +52,9 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
     for (int k = 0; k < object_count; k++) {
         const Object *o = &graph->objects[objects[k]];
         if (surfaces_only && o->kind != OBJECT_SURFACE) continue;
-        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-            int f = mesh->face_of[p];
-            if (f < 0 || (surfaces_only && plane_distance(lit->plane[p], camera->eye) <= 0)) continue;
-            const Face *face = &mesh->faces[f];
-            if (in_room && light_outdoors(mesh, face->first_element)) continue;
+        for (const LitFace *face = lit_object_begin(lit, o); face < lit_object_end(lit, o); face++) {
+            if (surfaces_only && plane_distance(face->plane, camera->eye) <= 0) continue;
+            if (in_room && face->outdoors) continue;
             for (int e = face->first_element; e < face->first_element + face->element_count; e++)
                 add_element_exposure(lit, light, camera, eye, face->plane.n, e, &sum);
         }

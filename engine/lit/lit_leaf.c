@@ -15,45 +15,48 @@ typedef struct AmbientCube {
     double sum[DIRECTIONS][3], weight[DIRECTIONS][3];
 } AmbientCube;
 
-// Irradiance of an element by the light at its vertices, W/m^2; -1 in channels that are not reflected.
-static void element_irradiance(const LitMesh *lit, const LitLight *light, const Element *element, int vertex,
-                               double out[3]) {
-    const Material *m = mesh_material(lit->mesh, element->face);
+// Irradiance of a triangle by the light at its vertices, W/m^2; -1 in channels that are not reflected.
+static void triangle_irradiance(const LitLight *light, const Material *m, const unsigned *triangle,
+                                double out[3]) {
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
     for (int c = 0; c < 3; c++) {
         double sum = 0;
-        for (int i = 0; i < element->corner_count; i++) sum += (double)light->vertex[vertex + i][c];
-        out[c] = rho[c] > 0 ? sum / element->corner_count / (double)rho[c] : -1;
+        for (int i = 0; i < 3; i++) sum += (double)light->vertex[triangle[i]][c];
+        out[c] = rho[c] > 0 ? sum / 3 / (double)rho[c] : -1;
     }
+}
+
+static Vec3 vertex_at(const LitMesh *lit, unsigned vertex) {
+    const float *p = lit->vertex[vertex].position;
+    return vec3((double)p[0], (double)p[1], (double)p[2]);
 }
 
 static void add_polygon(const LitMesh *lit, const LitLight *light, int polygon, Vec3 place,
                         AmbientCube *cube) {
-    const Mesh *mesh = lit->mesh;
-    int f = mesh->face_of[polygon];
-    if (f < 0 || mesh_is_lamp(mesh, f)) return;
-    const Face *face = &mesh->faces[f];
+    const LitFace *face = lit_face_of(lit, polygon);
+    if (!face || face->lamp) return;
     const double n[3] = {face->plane.n.x, face->plane.n.y, face->plane.n.z};
-    int vertex = lit->first_vertex[polygon];
-    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
-        const float *spot = lit->spot[e];
-        Vec3 way = vec3_sub(vec3((double)spot[0], (double)spot[1], (double)spot[2]), place);
-        double near = (double)spot[3] / (vec3_dot(way, way) + OFF * OFF), irradiance[3];
-        element_irradiance(lit, light, &mesh->elements[e], vertex, irradiance);
-        vertex += mesh->elements[e].corner_count;
+    for (int i = face->first_index; i < face[1].first_index; i += 3) {
+        const unsigned *triangle = lit->index + i;
+        Vec3 a = vertex_at(lit, triangle[0]), b = vertex_at(lit, triangle[1]),
+             c = vertex_at(lit, triangle[2]);
+        double area = vec3_length(vec3_cross(vec3_sub(b, a), vec3_sub(c, a))) / 2;
+        Vec3 way = vec3_sub(vec3_scale(vec3_add(vec3_add(a, b), c), 1.0 / 3), place);
+        double near = area / (vec3_dot(way, way) + OFF * OFF), irradiance[3];
+        triangle_irradiance(light, &lit->graph->building->materials[face->material], triangle, irradiance);
         for (int d = 0; d < DIRECTIONS; d++) {
             double along = d % 2 == 0 ? n[d / 2] : -n[d / 2];
-            for (int c = 0; c < 3 && along > 0; c++) {
-                if (irradiance[c] < 0) continue;
-                cube->sum[d][c] += along * along * near * irradiance[c];
-                cube->weight[d][c] += along * along * near;
+            for (int k = 0; k < 3 && along > 0; k++) {
+                if (irradiance[k] < 0) continue;
+                cube->sum[d][k] += along * along * near * irradiance[k];
+                cube->weight[d][k] += along * along * near;
             }
         }
     }
 }
 
 static void add_surfaces(const LitMesh *lit, const LitLight *light, int cell, Vec3 place, AmbientCube *cube) {
-    const CellGraph *graph = lit->mesh->graph;
+    const CellGraph *graph = lit->graph;
     for (int o = graph->surface_first[cell]; o < graph->surface_first[cell + 1]; o++) {
         const Object *object = &graph->objects[o];
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
@@ -63,7 +66,7 @@ static void add_surfaces(const LitMesh *lit, const LitLight *light, int cell, Ve
 
 // The surfaces of the place's room; in a doorway, of the rooms that no door parts from it. False inside a wall.
 static bool find_cube(const LitMesh *lit, const LitLight *light, Vec3 point, AmbientCube *out) {
-    const CellGraph *graph = lit->mesh->graph;
+    const CellGraph *graph = lit->graph;
     const Building *b = graph->building;
     int cell = vis_locate(graph, point, -1);
     *out = (AmbientCube){0};
@@ -138,29 +141,27 @@ static bool find_leaf_sides(const LitMesh *lit, const LitLight *light, const Lea
 }
 
 bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, double open, float (*out)[3]) {
-    const Mesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->graph;
+    const CellGraph *graph = lit->graph;
     const Object *o = &graph->objects[object];
+    const LitFace *begin = lit_object_begin(lit, o), *end = lit_object_end(lit, o);
     const Leaf *leaf = &graph->building->leaves[o->leaf];
-    int first = lit->first_vertex[o->first_polygon],
-        end = lit->first_vertex[o->first_polygon + o->polygon_count];
-    memcpy(out, light->vertex + first, (size_t)(end - first) * sizeof *out);
+    int first = begin->first_vertex;
+    memcpy(out, light->vertex + first, (size_t)(end->first_vertex - first) * sizeof *out);
     double share = fmin(moved_by(graph, o, leaf, (double)light->doors[leaf->opening], open) / MOVED, 1);
     AmbientCube cube[SIDES];
     Vec3 across;
     if (!(share > 1e-6) || !find_leaf_sides(lit, light, leaf, open, &across, cube)) return share > 1e-6;
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        if (mesh->face_of[p] < 0) continue;
-        const Material *m = mesh_material(mesh, mesh->face_of[p]);
+    for (const LitFace *face = begin; face < end; face++) {
+        const Material *m = &graph->building->materials[face->material];
         const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
-        Vec3 n = polygon_normal(graph, p, leaf, open);
+        Vec3 n = polygon_normal(graph, face->polygon, leaf, open);
         double irradiance[SIDES][3], front = 0.5 + 0.5 * vec3_dot(n, across), emitted[3];
         for (int s = 0; s < SIDES; s++) cube_at(&cube[s], n, irradiance[s]);
         rgb_doubles(m->emission, emitted);
         for (int c = 0; c < 3; c++) {
             double arrives = front * irradiance[0][c] + (1 - front) * irradiance[1][c];
             double moved = emitted[c] + (double)rho[c] * arrives;
-            for (int v = lit->first_vertex[p]; v < lit->first_vertex[p + 1]; v++)
+            for (int v = face->first_vertex; v < face[1].first_vertex; v++)
                 out[v - first][c] = (float)((1 - share) * (double)out[v - first][c] + share * moved);
         }
     }
@@ -168,27 +169,25 @@ bool lit_leaf_light(const LitMesh *lit, const LitLight *light, int object, doubl
 }
 
 void lit_plug_light(const LitMesh *lit, const LitLight *light, int object, float (*out)[3]) {
-    const Mesh *mesh = lit->mesh;
-    const CellGraph *graph = mesh->graph;
+    const CellGraph *graph = lit->graph;
     const Object *o = &graph->objects[object];
-    int first = lit->first_vertex[o->first_polygon],
-        end = lit->first_vertex[o->first_polygon + o->polygon_count];
-    memcpy(out, light->vertex + first, (size_t)(end - first) * sizeof *out);
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        const Polygon *polygon = &graph->polygons[p];
+    const LitFace *begin = lit_object_begin(lit, o), *end = lit_object_end(lit, o);
+    int first = begin->first_vertex;
+    memcpy(out, light->vertex + first, (size_t)(end->first_vertex - first) * sizeof *out);
+    for (const LitFace *face = begin; face < end; face++) {
+        const Polygon *polygon = &graph->polygons[face->polygon];
         Box box = box_empty();
         AmbientCube cube[SIDES];
-        if (mesh->face_of[p] < 0) continue;
-        Vec3 n = mesh->faces[mesh->face_of[p]].plane.n;
+        Vec3 n = face->plane.n;
         for (int v = 0; v < polygon->vertex_count; v++)
             box = box_add(box, graph->vertices[polygon->first_vertex + v]);
         if (!find_sides(lit, light, vec3_lerp(box.min, box.max, 0.5), n, OFF, cube)) continue;
-        const Material *m = mesh_material(mesh, mesh->face_of[p]);
+        const Material *m = &graph->building->materials[face->material];
         const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
         double irradiance[SIDES][3], emitted[3];
         for (int s = 0; s < SIDES; s++) cube_at(&cube[s], s == 0 ? n : vec3_scale(n, -1), irradiance[s]);
         rgb_doubles(m->emission, emitted);
-        for (int v = lit->first_vertex[p]; v < lit->first_vertex[p + 1]; v++)
+        for (int v = face->first_vertex; v < face[1].first_vertex; v++)
             for (int c = 0; c < 3; c++)
                 out[v - first][c] =
                     (float)(emitted[c] + (double)rho[c] * (irradiance[0][c] + irradiance[1][c]) / 2);

@@ -90,58 +90,60 @@ bool *lit_twins(const Mesh *mesh, Arena *arena) {
 
 static bool material_emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
 
-static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, Vec3 n, const Face *face, int source) {
-    const Building *b = lit->mesh->graph->building;
-    Vec3 p = vec3_sub(at, lit->origin);
-    lit->vertex[vertex] = (LitVertex){{(float)p.x, (float)p.y, (float)p.z},
-                                      {(float)n.x, (float)n.y, (float)n.z},
-                                      face->material,
-                                      material_emits(&b->materials[face->material])};
-    lit->source[vertex] = source;
-}
-
-// How many vertices and indices a polygon takes.
-static void count_polygon(const Mesh *mesh, int polygon, int *vertices, int *indices) {
-    int f = mesh->face_of[polygon];
-    *vertices = *indices = 0;
-    if (f < 0) return;
-    const Face *face = &mesh->faces[f];
-    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
-        *vertices += mesh->elements[e].corner_count;
-        *indices += 3 * (mesh->elements[e].corner_count - 2);
+// All but their vertices.
+static void faces_of_polygons(const Mesh *mesh, LitMesh *lit, Arena *arena) {
+    const CellGraph *graph = mesh->graph;
+    lit->faces = ARENA_ARRAY(arena, LitFace, mesh->face_count + 1);
+    lit->first_face = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
+    lit->lamp = ARENA_ARRAY(arena, int, mesh->face_count + 1);
+    for (int p = 0; p < graph->polygon_count; p++) {
+        int f = mesh->face_of[p];
+        lit->first_face[p] = lit->face_count;
+        if (f < 0) continue;
+        const Face *face = &mesh->faces[f];
+        if (mesh_is_lamp(mesh, f)) lit->lamp[lit->lamp_count++] = lit->face_count;
+        lit->faces[lit->face_count++] = (LitFace){.plane = face->plane,
+                                                  .polygon = p,
+                                                  .material = face->material,
+                                                  .first_element = face->first_element,
+                                                  .element_count = face->element_count,
+                                                  .lamp = mesh_is_lamp(mesh, f),
+                                                  .outdoors = light_outdoors(mesh, face->first_element)};
     }
+    lit->first_face[graph->polygon_count] = lit->face_count;
 }
 
-static void count_all(LitMesh *lit, Arena *arena) {
-    const CellGraph *graph = lit->mesh->graph;
-    int vertices = 0, indices = 0;
-    lit->first_vertex = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    lit->first_index = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    for (int o = 0; o < graph->object_count; o++) {
-        const Object *object = &graph->objects[o];
-        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            int v, i;
-            lit->first_vertex[p] = vertices;
-            lit->first_index[p] = indices;
-            count_polygon(lit->mesh, p, &v, &i);
-            vertices += v;
-            indices += i;
+// Numbers the vertices: of each face those of its elements' corners, each node once. Returns their number; `vertex_of` [corner_count]: of
+// each corner.
+static int number_vertices(LitMesh *lit, int *vertex_of) {
+    const Mesh *mesh = lit->mesh;
+    Arena scratch = {0};
+    int *last = ARENA_ARRAY(&scratch, int, lit->nodes.count + 1), count = 0, indices = 0;
+    for (int n = 0; n < lit->nodes.count; n++) last[n] = -1;
+    for (int f = 0; f <= lit->face_count; f++) {
+        LitFace *face = &lit->faces[f];
+        face->first_vertex = count;
+        face->first_index = indices;
+        for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
+            const Element *element = &mesh->elements[e];
+            for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+                int *vertex = &last[lit->nodes.of_corner[c]];
+                if (*vertex < face->first_vertex) *vertex = count++;
+                vertex_of[c] = *vertex;
+            }
+            indices += 3 * (element->corner_count - 2);
         }
     }
-    lit->first_vertex[graph->polygon_count] = vertices;
-    lit->first_index[graph->polygon_count] = indices;
-    lit->vertex = ARENA_ARRAY(arena, LitVertex, vertices + 1);
-    lit->source = ARENA_ARRAY(arena, int, vertices + 1);
-    lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
-    lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
-    lit->lamp = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    lit->spot = arena_alloc(arena, (size_t)(lit->mesh->element_count + 1), sizeof *lit->spot);
+    arena_free(&scratch);
+    return count;
 }
 
-static void triangulate(const LitMesh *lit, const Vec3 *v, int count, int vertex, int index) {
+static void triangulate(const LitMesh *lit, const Element *element, const int *vertex_of, const Vec3 *v,
+                        int index) {
     int *triangle = (int *)(lit->index + index);
-    polygon_triangulate(v, count, triangle);
-    for (int k = 0; k < 3 * (count - 2); k++) triangle[k] += vertex;
+    polygon_triangulate(v, element->corner_count, triangle);
+    for (int k = 0; k < 3 * (element->corner_count - 2); k++)
+        triangle[k] = vertex_of[element->first_corner + triangle[k]];
 }
 
 static void put_spot(const LitMesh *lit, int element, const Vec3 *v, int count) {
@@ -160,51 +162,64 @@ static Vec3 polygon_normal(const CellGraph *graph, int polygon) {
     return vec3_normalize(vec3_cross(vec3_sub(v[1], v[0]), vec3_sub(v[2], v[0])));
 }
 
-// `leaf`: with which the polygon moves, or NULL. `twin`: see lit_twins.
-static void fill_elements(const LitMesh *lit, int polygon, const Leaf *leaf, bool twin, Arena *scratch) {
+// `twin`: see lit_twins.
+static void fill_face(const LitMesh *lit, const LitFace *face, bool twin, const int *vertex_of,
+                      Arena *scratch) {
     const Mesh *mesh = lit->mesh;
-    const Face *face = &mesh->faces[mesh->face_of[polygon]];
-    Vec3 normal = leaf ? polygon_normal(mesh->graph, polygon) : face->plane.n,
-         back = vec3_scale(normal, twin ? -SET_BACK : 0);
-    int vertex = lit->first_vertex[polygon], index = lit->first_index[polygon];
+    const Building *b = lit->graph->building;
+    const Face *of_mesh = &mesh->faces[mesh->face_of[face->polygon]];
+    int moves = lit->graph->objects[of_mesh->object].leaf, index = face->first_index;
+    const Leaf *leaf = moves >= 0 ? &b->leaves[moves] : NULL;
+    Vec3 n = leaf ? polygon_normal(lit->graph, face->polygon) : face->plane.n,
+         back = vec3_scale(n, twin ? -SET_BACK : 0);
     for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
         const Element *element = &mesh->elements[e];
         Vec3 *v = ARENA_ARRAY(scratch, Vec3, element->corner_count);
-        for (int i = 0; i < element->corner_count; i++)
-            v[i] = mesh->vertices[mesh->corners[element->first_corner + i]];
-        put_spot(lit, e, v, element->corner_count);
         for (int i = 0; i < element->corner_count; i++) {
-            Vec3 at = vec3_add(leaf ? leaf_point_closed(leaf, face->open, v[i]) : v[i], back);
-            put_vertex(lit, vertex + i, at, normal, face, element->first_corner + i);
+            int corner = element->first_corner + i;
+            v[i] = mesh->vertices[mesh->corners[corner]];
+            Vec3 at = leaf ? leaf_point_closed(leaf, of_mesh->open, v[i]) : v[i];
+            Vec3 p = vec3_sub(vec3_add(at, back), lit->origin);
+            lit->vertex[vertex_of[corner]] = (LitVertex){{(float)p.x, (float)p.y, (float)p.z},
+                                                         {(float)n.x, (float)n.y, (float)n.z},
+                                                         face->material,
+                                                         material_emits(&b->materials[face->material])};
+            lit->node[vertex_of[corner]] = lit->nodes.of_corner[corner];
         }
-        triangulate(lit, v, element->corner_count, vertex, index);
-        vertex += element->corner_count;
+        put_spot(lit, e, v, element->corner_count);
+        triangulate(lit, element, vertex_of, v, index);
         index += 3 * (element->corner_count - 2);
     }
 }
 
-LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
-    const CellGraph *graph = mesh->graph;
+LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena, Arena *of_fill) {
     LitMesh *lit = ARENA_ARRAY(arena, LitMesh, 1);
     Arena scratch = {0}, kept = {0};
-    *lit = (LitMesh){.mesh = mesh, .origin = lit_origin(graph)};
-    count_all(lit, arena);
+    *lit = (LitMesh){.mesh = mesh,
+                     .graph = mesh->graph,
+                     .origin = lit_origin(mesh->graph),
+                     .element_count = mesh->element_count,
+                     .nodes = nodes_of(mesh, of_fill)};
+    faces_of_polygons(mesh, lit, arena);
+    int *vertex_of = ARENA_ARRAY(&kept, int, mesh->corner_count + 1), count = number_vertices(lit, vertex_of);
+    lit->vertex = ARENA_ARRAY(arena, LitVertex, count + 1);
+    lit->node = ARENA_ARRAY(of_fill, int, count + 1);
+    lit->index = ARENA_ARRAY(arena, unsigned, lit->faces[lit->face_count].first_index + 1);
+    lit->spot = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *lit->spot);
     const bool *twins = lit_twins(mesh, &kept);
-    for (int o = 0; o < graph->object_count; o++) {
-        const Object *object = &graph->objects[o];
-        const Leaf *leaf = object->leaf >= 0 ? &graph->building->leaves[object->leaf] : NULL;
-        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            if (mesh->face_of[p] < 0) continue;
-            lit->plane[p] = mesh->faces[mesh->face_of[p]].plane;
-            if (mesh_is_lamp(mesh, mesh->face_of[p])) lit->lamp[lit->lamp_count++] = p;
-            arena_reset(&scratch);
-            fill_elements(lit, p, leaf, twins[mesh->face_of[p]], &scratch);
-        }
+    for (int f = 0; f < lit->face_count; f++) {
+        arena_reset(&scratch);
+        fill_face(lit, &lit->faces[f], twins[mesh->face_of[lit->faces[f].polygon]], vertex_of, &scratch);
     }
-    lit->nodes = nodes_of(mesh, arena);
     arena_free(&kept);
     arena_free(&scratch);
     return lit;
+}
+
+void lit_mesh_filled(LitMesh *lit) {
+    lit->mesh = NULL;
+    lit->nodes = (Nodes){0};
+    lit->node = NULL;
 }
 
 // ---- light
@@ -213,8 +228,8 @@ LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
     return (LitLight){.vertex =
                           arena_alloc(arena, (size_t)lit_vertex_count(lit) + 1, sizeof *(LitLight){0}.vertex),
                       .on = ARENA_ARRAY(arena, bool, lit->lamp_count + 1),
-                      .luminous = ARENA_ARRAY(arena, float, lit->mesh->element_count + 1),
-                      .doors = ARENA_ARRAY(arena, float, lit->mesh->graph->building->opening_count + 1)};
+                      .luminous = ARENA_ARRAY(arena, float, lit->element_count + 1),
+                      .doors = ARENA_ARRAY(arena, float, lit->graph->building->opening_count + 1)};
 }
 
 // As the mesh has them; a door without faces that move stands anywhere.
@@ -266,18 +281,18 @@ static void fill_vertices(const LitMesh *lit, const RadSolution *solution, LitLi
         reconstruct_nodes(lit->mesh, &lit->nodes, solution, NULL, node);
     }
     for (int v = 0; v < lit_vertex_count(lit); v++)
-        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)node[lit->nodes.of_corner[lit->source[v]]][c];
+        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)node[lit->node[v]][c];
     arena_free(&scratch);
 }
 
 void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float *doors, LitLight *out) {
     Arena scratch = {0};
     if (doors)
-        memcpy(out->doors, doors, (size_t)lit->mesh->graph->building->opening_count * sizeof *doors);
+        memcpy(out->doors, doors, (size_t)lit->graph->building->opening_count * sizeof *doors);
     else
         find_doors(lit->mesh, out->doors);
     for (int i = 0; i < lit->lamp_count; i++)
-        out->on[i] = mesh_emits(lit->mesh, lit->mesh->face_of[lit->lamp[i]]);
+        out->on[i] = mesh_emits(lit->mesh, lit->mesh->face_of[lit->faces[lit->lamp[i]].polygon]);
     // False colours are of the light at vertices.
     RadSolution even = reconstruct_even(lit->mesh, solution, &scratch);
     fill_vertices(lit, solution, out);

@@ -11,19 +11,33 @@ typedef struct LitVertex {
     int32_t material, emits;  // index in Building.materials; 0 or 1: does it emit
 } LitVertex;
 
-// The triangles of the graph's polygons, in the order of the polygons. Polygons that the mesh lacks (glass) have no vertices.
+// A polygon of the graph that is drawn.
+typedef struct LitFace {
+    Plane plane;                       // as in the mesh when it was made
+    int polygon, material;             // in the graph, in the building
+    int first_vertex, first_index;     // in LitMesh.vertex and index; those of the next face end them
+    int first_element, element_count;  // in LitMesh.spot and LitLight.luminous
+    bool lamp, outdoors;               // lit or not; outdoors is in front of it
+} LitFace;
+
+// The triangles of the graph's polygons, in the order of the polygons. Polygons that the mesh lacks (glass) have no face.
 typedef struct LitMesh {
-    const Mesh *mesh;
-    Vec3 origin;                      // positions are relative to this point
-    int *first_vertex, *first_index;  // [polygon_count + 1] in `vertex` and `index`
-    LitVertex *vertex;                // [vertex_count] leaves as when closed
-    int *source;                      // [vertex_count] index in Mesh.corners
-    Nodes nodes;                      // of the mesh
+    const CellGraph *graph;
+    Vec3 origin;     // positions are relative to this point
+    LitFace *faces;  // [face_count + 1] the last one ends the arrays
+    int *
+        first_face;  // [polygon_count + 1] in `faces`: of polygon p from first_face[p] to before first_face[p + 1], one or none
+    int face_count, element_count;
+    LitVertex *
+        vertex;  // [vertex_count] of each face the nodes at its elements' corners, each once; leaves as when closed
     unsigned *index;
-    Plane *plane;  // [polygon_count]
-    int *lamp;     // [lamp_count] polygons of lamps, lit or not
+    int *lamp;  // [lamp_count] faces of lamps, lit or not
     int lamp_count;
     float (*spot)[4];  // [element_count] for the exposure: the element's middle; its area, m^2
+    // Light is filled from these; NULL: no more is (lit_mesh_filled).
+    const Mesh *mesh;
+    Nodes nodes;  // of the mesh
+    int *node;    // [vertex_count]
 } LitMesh;
 
 // One state of the light.
@@ -40,9 +54,22 @@ typedef struct LitLight {
 // The point that a graph's positions are relative to: floats stay exact enough far from the building's own origin.
 Vec3 lit_origin(const CellGraph *graph);
 
-LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena);
-static inline int lit_vertex_count(const LitMesh *lit) {
-    return lit->first_vertex[lit->mesh->graph->polygon_count];
+// `of_fill` has what light is filled from: the same arena, or one that ends with the mesh once light was filled for the last time.
+LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena, Arena *of_fill);
+// No more light will be filled: the mesh, and what it has in `of_fill`, may end.
+void lit_mesh_filled(LitMesh *lit);
+static inline int lit_vertex_count(const LitMesh *lit) { return lit->faces[lit->face_count].first_vertex; }
+// The face of a polygon; NULL: it has none.
+static inline const LitFace *lit_face_of(const LitMesh *lit, int polygon) {
+    int f = lit->first_face[polygon];
+    return f < lit->first_face[polygon + 1] ? &lit->faces[f] : NULL;
+}
+// Where the faces of an object begin; those of the next one, and its vertices, end it.
+static inline const LitFace *lit_object_begin(const LitMesh *lit, const Object *object) {
+    return &lit->faces[lit->first_face[object->first_polygon]];
+}
+static inline const LitFace *lit_object_end(const LitMesh *lit, const Object *object) {
+    return &lit->faces[lit->first_face[object->first_polygon + object->polygon_count]];
 }
 
 // [face_count] For each face: does a face of a lower number lie in the same place, at least in part, and look the same way? Form factors

@@ -26,7 +26,7 @@ struct LitStates {
     const Lamps *all;
     DrawnLamp *lamps;  // [count]
     int count;         // 0: the light of each is not known
-    int *like;         // [mesh->lamp_count] a vertex near the polygon of a lamp; -1: not looked for yet
+    int *like;         // [mesh->lamp_count] a vertex near the face of a lamp; -1: not looked for yet
     RadSolution sum;
     Arena *arena;
 };
@@ -113,11 +113,11 @@ static void add_differences(LitStates *s, const Rgb *lit, double sign) {
     }
 }
 
-// The vertex nearest to a lamp's polygon, of any other polygon that reflects.
-static int vertex_near(const LitMesh *mesh, int polygon) {
-    const Building *b = mesh->mesh->graph->building;
-    const LitVertex *own = &mesh->vertex[mesh->first_vertex[polygon]];
-    int nearest = mesh->first_vertex[polygon];
+// The vertex nearest to a lamp's face, of any other face that reflects.
+static int vertex_near(const LitMesh *mesh, const LitFace *lamp) {
+    const Building *b = mesh->graph->building;
+    const LitVertex *own = &mesh->vertex[lamp->first_vertex];
+    int nearest = lamp->first_vertex;
     float least = INFINITY;
     for (int v = 0; v < lit_vertex_count(mesh); v++) {
         const LitVertex *other = &mesh->vertex[v];
@@ -136,17 +136,16 @@ static int vertex_near(const LitMesh *mesh, int polygon) {
 // A lamp that is made of light alone would be black without it: it looks like what it hangs from.
 static void show_dark_lamp(LitStates *s, int index, LitLight *out) {
     const LitMesh *mesh = s->mesh;
-    int polygon = mesh->lamp[index], first = mesh->first_vertex[polygon],
-        end = mesh->first_vertex[polygon + 1];
-    Rgb rho = mesh_material(mesh->mesh, mesh->mesh->face_of[polygon])->reflectance;
-    if (first == end || rho.r + rho.g + rho.b > 0) return;
-    if (s->like[index] < 0) s->like[index] = vertex_near(mesh, polygon);
-    for (int v = first; v < end; v++)
+    const LitFace *lamp = &mesh->faces[mesh->lamp[index]];
+    Rgb rho = mesh->graph->building->materials[lamp->material].reflectance;
+    if (rho.r + rho.g + rho.b > 0) return;
+    if (s->like[index] < 0) s->like[index] = vertex_near(mesh, lamp);
+    for (int v = lamp->first_vertex; v < lamp[1].first_vertex; v++)
         memcpy(out->vertex[v], out->vertex[s->like[index]], sizeof *out->vertex);
 }
 
 bool lit_states_sums(const LitStates *s, const float *doors) {
-    const Building *b = s->mesh->mesh->graph->building;
+    const Building *b = s->mesh->graph->building;
     for (int i = 0; i < b->opening_count; i++)
         if (b->openings[i].kind == OPENING_DOOR && doors[i] != s->light->door_open[i]) return false;
     return s->count > 0 || s->all->count == 0;
@@ -165,7 +164,7 @@ static void add_up(LitStates *s, const Rgb *lit) {
 static void fill(LitStates *s, const Rgb *lit, const float *doors, const RadSolution *found, LitLight *out) {
     lit_light_fill(s->mesh, found, doors, out);
     for (int i = 0; i < s->mesh->lamp_count; i++) {
-        Rgb share = lit[s->all->of_polygon[s->mesh->lamp[i]]];
+        Rgb share = lit[s->all->of_polygon[s->mesh->faces[s->mesh->lamp[i]].polygon]];
         out->on[i] = share.r + share.g + share.b > 0;
         if (!out->on[i]) show_dark_lamp(s, i, out);
     }

@@ -53,7 +53,7 @@ static uint8_t tone(double light) { return (uint8_t)lrint(255 * exposure_on_scre
 static double expose(const StabForest *forest, const WalkLight *baked, const Camera *camera, double stops) {
     const Mesh *mesh = baked->mesh;
     Arena scratch = {0};
-    LitMesh *lit = lit_mesh_new(mesh, &scratch);
+    LitMesh *lit = lit_mesh_new(mesh, &scratch, &scratch);
     LitLight light = lit_light_new(lit, &scratch);
     lit_light_fill(lit, baked->solution, NULL, &light);
     VisQuery *query = vis_query_new(mesh->graph, forest, &scratch);

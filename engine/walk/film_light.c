@@ -18,10 +18,11 @@ struct FilmLight {
     Arena *arena;
     WalkLight baked;  // anew, by `source`, in `room`
     Arena room;
-    const WalkLight *light;  // that is shown; NULL: none is yet
-    int part;                // of light in parts, -1: none is shown yet
-    int rooms;               // of FilmLightSource that were used
-    LitStates *states;       // NULL: the light does not follow
+    const WalkLight *
+        light;  // that is shown; NULL: none is yet, or it is that of a part, of which only what is drawn is kept
+    int part;           // of light in parts, -1: none is shown yet
+    int rooms;          // of FilmLightSource that were used
+    LitStates *states;  // NULL: the light does not follow
     LitLight state[2];
     int at;        // the state that is shown
     float *shown;  // [opening_count] the doors of that state
@@ -30,18 +31,26 @@ struct FilmLight {
     bool stayed;
 };
 
-// Light on a mesh takes the place of that on the mesh before. Lives in the arena.
-static bool show_light(FilmLight *f, const WalkLight *light, Arena *arena, Error *error) {
-    LitMesh *mesh = lit_mesh_new(light->mesh, arena);
-    f->light = light;
+// Light on a mesh takes the place of that on the mesh before. Lives in the arena; what it is filled from, in `of_fill`.
+static LitMesh *fill_light(FilmLight *f, const WalkLight *light, Arena *arena, Arena *of_fill) {
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena, of_fill);
     f->at = 0;
     f->state[0] = lit_light_new(mesh, arena);
     lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
-    if (f->source.parts) f->state[0].level = light_parts_level(f->source.parts);
+    memcpy(f->shown, light->door_open, (size_t)f->building->opening_count * sizeof *f->shown);
+    return mesh;
+}
+
+static bool upload(FilmLight *f, LitMesh *mesh, Error *error) {
     walk_renderer_expect(f->renderer, mesh);
     walk_renderer_take(f->renderer, &f->state[0], SIZE_MAX);
     walk_renderer_fade(f->renderer, INFINITY);
-    memcpy(f->shown, light->door_open, (size_t)f->building->opening_count * sizeof *f->shown);
+    return gl_check("uploading the light of a building", error);
+}
+
+static bool show_light(FilmLight *f, const WalkLight *light, Arena *arena, Error *error) {
+    LitMesh *mesh = fill_light(f, light, arena, arena);
+    f->light = light;
     if (light->follower) {
         const Lamps *lamps = light_follower_lamps(light);
         f->state[1] = lit_light_new(mesh, arena);
@@ -51,7 +60,7 @@ static bool show_light(FilmLight *f, const WalkLight *light, Arena *arena, Error
             f->stale = f->stale || lit.r != 1 || lit.g != 1 || lit.b != 1;
         }
     }
-    return gl_check("uploading the light of a building", error);
+    return upload(f, mesh, error);
 }
 
 FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer, Arena *arena, Error *error) {
@@ -137,23 +146,29 @@ bool film_light_come(FilmLight *f, int cell, Error *error) {
     if (part < 0 || part == f->part) return true;
     // No frame is drawn meanwhile, so the part before it goes first: a large building has memory for one of them.
     walk_renderer_darken(f->renderer);
-    f->light = NULL;
-    Arena *room = &f->source.room[0];
+    Arena *room = &f->source.room[0], of_fill = {0};
+    LitMesh *mesh = NULL;
+    WalkLight light;
     arena_free(room);
-    WalkLight *light = ARENA_ARRAY(room, WalkLight, 1);
-    if (!light_load_part(f->source.parts, part, room, light, error)) return false;
-    f->part = part;
-    return show_light(f, light, room, error);
+    if (light_load_part(f->source.parts, part, &of_fill, &light, error)) {
+        mesh = fill_light(f, &light, room, &of_fill);
+        lit_mesh_filled(mesh);
+        f->state[0].level = light_parts_level(f->source.parts);
+        f->part = part;
+    }
+    arena_free(&of_fill);
+    return mesh && upload(f, mesh, error);
 }
 
 bool film_light_covers(const FilmLight *f, int cell) {
-    return f->light && (!f->source.parts || light_part_of(f->source.parts, cell) == f->part);
+    return f->source.parts ? f->part >= 0 && light_part_of(f->source.parts, cell) == f->part
+                           : f->light != NULL;
 }
 
 // The hour turns. The renderer holds the light before, which lies in the other room, or was baked.
 static bool turn_hour(FilmLight *f, const Daylight *day, const float *door_open, const Progress *progress,
                       Error *error) {
-    if (!light_turns(f->light))
+    if (!f->light || !light_turns(f->light))
         return error_set(
             error, "the hour stays as it is: the light that is stored does not follow it (--day bakes anew)");
     Arena *room = next_room(f);
@@ -164,8 +179,8 @@ static bool turn_hour(FilmLight *f, const Daylight *day, const float *door_open,
 
 bool film_light_follow(FilmLight *f, const float *door_open, const Daylight *day, const Progress *progress,
                        Error *error) {
-    if (!f->light) return true;
-    bool turns = day && memcmp(day, &f->light->solution->day, sizeof *day) != 0;
+    if (!f->light && f->part < 0) return true;
+    bool turns = day && memcmp(day, &f->state[f->at].day, sizeof *day) != 0;
     if (!turns && !is_due(f, door_open)) return true;
     if (!f->states && f->source.anew && !bake_anew(f, progress, error)) return false;
     if (turns && !turn_hour(f, day, door_open, progress, error)) return false;

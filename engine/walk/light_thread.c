@@ -91,7 +91,7 @@ static void fill_light(LightThread *t, const RadSolution *solution) {
 }
 
 static void begin_mesh(LightThread *t, const Mesh *mesh) {
-    LitMesh *lit = lit_mesh_new(mesh, &t->arena);
+    LitMesh *lit = lit_mesh_new(mesh, &t->arena, &t->arena);
     for (int i = 0; i < STATES; i++) t->state[i] = lit_light_new(lit, &t->arena);
     atomic_store(&t->mesh, lit);
 }
@@ -127,7 +127,7 @@ static void hand_over(LightThread *t, int state, LitMesh *mesh) {
 static void show_whole(void *context, const WalkLight *light) {
     LightThread *t = context;
     if (atomic_load(&t->stop)) return;
-    LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena);
+    LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena, &t->arena);
     t->last = t->last == 0 ? LAST : LAST_ANEW;
     for (int i = 0; i < STATES; i++) t->state[t->last + i] = lit_light_new(mesh, &t->arena);
     lit_light_fill(mesh, light->solution, light->door_open, &t->state[t->last]);
@@ -228,7 +228,7 @@ static void turn_day(LightThread *t, const Daylight *day, const Rgb *lit, const 
     }
     t->at = 1 - t->at;
     t->base = t->followed = light;
-    LitMesh *mesh = lit_mesh_new(light->mesh, room);
+    LitMesh *mesh = lit_mesh_new(light->mesh, room, room);
     int last = t->last == LAST ? LAST_ANEW : LAST;
     for (int i = 0; i < STATES; i++) t->state[last + i] = lit_light_new(mesh, room);
     t->states = lit_states_new(mesh, light, room);
@@ -323,17 +323,22 @@ static int next_part(LightThread *t) {
     return part;
 }
 
-// The part that the walk holds lies in room[at]; that of a part that was dropped is used again.
+// The part that the walk holds lies in room[at]; that of a part that was dropped is used again. Of the part only what is drawn stays.
 static bool read_part(LightThread *t, int part) {
-    Arena *room = &t->room[1 - t->at];
-    arena_free(room);
-    WalkLight *light = ARENA_ARRAY(room, WalkLight, 1);
-    if (!light_load_part(t->baker.parts, part, room, light, &t->error)) return false;
-    LitMesh *mesh = lit_mesh_new(light->mesh, room);
+    Arena *room = &t->room[1 - t->at], of_fill = {0};
     LitLight *state = &t->state[t->at == 0 ? LAST : LAST_ANEW];
-    *state = lit_light_new(mesh, room);
-    lit_light_fill(mesh, light->solution, light->door_open, state);
-    state->level = light_parts_level(t->baker.parts);
+    LitMesh *mesh = NULL;
+    WalkLight light;
+    arena_free(room);
+    if (light_load_part(t->baker.parts, part, &of_fill, &light, &t->error)) {
+        mesh = lit_mesh_new(light.mesh, room, &of_fill);
+        *state = lit_light_new(mesh, room);
+        lit_light_fill(mesh, light.solution, light.door_open, state);
+        lit_mesh_filled(mesh);
+        state->level = light_parts_level(t->baker.parts);
+    }
+    arena_free(&of_fill);
+    if (!mesh) return false;
     pthread_mutex_lock(&t->lock);
     atomic_store(&t->mesh, mesh);
     t->fresh = (int)(state - t->state);

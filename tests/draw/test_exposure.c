@@ -26,7 +26,7 @@ static Seen open_rooms(double element) {
     const Mesh *mesh = &s.lit->mesh;
     s.solution = (RadSolution){.element_count = mesh->element_count, .patch_count = mesh->patch_count};
     s.solution.radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *s.solution.radiosity);
-    s.mesh = lit_mesh_new(mesh, arena);
+    s.mesh = lit_mesh_new(mesh, arena, arena);
     s.light = lit_light_new(s.mesh, arena);
     s.objects = ARENA_ARRAY(arena, int, s.lit->graph.object_count);
     for (int o = 0; o < s.lit->graph.object_count; o++) s.objects[o] = o;
@@ -186,7 +186,7 @@ Test(exposure, rooms_by_day) {
     Arena *arena = &s.lit->arena;
     Error error;
     cr_assert(rad_start_dark(mesh, arena, &s.solution, &error), "%s", error.text);
-    s.mesh = lit_mesh_new(mesh, arena);
+    s.mesh = lit_mesh_new(mesh, arena, arena);
     s.light = lit_light_new(s.mesh, arena);
     s.objects = ARENA_ARRAY(arena, int, s.lit->graph.object_count);
     for (int o = 0; o < s.lit->graph.object_count; o++) s.objects[o] = o;

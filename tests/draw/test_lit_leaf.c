@@ -41,7 +41,7 @@ static Baked *open_baked(double left, double right) {
         rgb_doubles(m->reflectance, rho);
         for (int c = 0; c < 3; c++) b->solution.radiosity[e][c] = rho[c] * h;
     }
-    b->lit = lit_mesh_new(&b->mesh, &b->arena);
+    b->lit = lit_mesh_new(&b->mesh, &b->arena, &b->arena);
     b->light = lit_light_new(b->lit, &b->arena);
     lit_light_fill(b->lit, &b->solution, NULL, &b->light);
     b->leaf = arena_alloc(&b->arena, (size_t)lit_vertex_count(b->lit) + 1, sizeof *b->leaf);
@@ -63,14 +63,14 @@ static int first_leaf(const Baked *b) {
 // The least and the greatest irradiance on a leaf's vertices, by radiosity and reflectance.
 static void irradiance_of(const Baked *b, int object, double *least, double *most) {
     const Object *o = &b->graph.objects[object];
-    int first = b->lit->first_vertex[o->first_polygon];
+    const LitFace *begin = lit_object_begin(b->lit, o);
+    int first = begin->first_vertex;
     *least = INFINITY;
     *most = 0;
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        if (b->mesh.face_of[p] < 0) continue;
+    for (const LitFace *face = begin; face < lit_object_end(b->lit, o); face++) {
         double rho[3];
-        rgb_doubles(mesh_material(&b->mesh, b->mesh.face_of[p])->reflectance, rho);
-        for (int v = b->lit->first_vertex[p]; v < b->lit->first_vertex[p + 1]; v++) {
+        rgb_doubles(b->building.materials[face->material].reflectance, rho);
+        for (int v = face->first_vertex; v < face[1].first_vertex; v++) {
             double h = (double)b->leaf[v - first][1] / rho[1];
             *least = fmin(*least, h);
             *most = fmax(*most, h);
@@ -98,8 +98,7 @@ Test(lit_leaf, open_leaves_have_the_light_of_rooms) {
     Baked *b = open_baked(2, 10);
     int leaf = first_leaf(b);
     const Object *o = &b->graph.objects[leaf];
-    int first = b->lit->first_vertex[o->first_polygon],
-        end = b->lit->first_vertex[o->first_polygon + o->polygon_count];
+    int first = lit_object_begin(b->lit, o)->first_vertex, end = lit_object_end(b->lit, o)->first_vertex;
     memset(b->light.vertex + first, 0, (size_t)(end - first) * sizeof *b->light.vertex);
     double least, most;
     cr_expect_not(lit_leaf_light(b->lit, &b->light, leaf, 0, b->leaf));
@@ -127,8 +126,8 @@ Test(lit_leaf, plugs_have_the_light_of_both_rooms) {
     for (int o = 0; o < b->graph.object_count; o++) {
         const Object *object = &b->graph.objects[o];
         if (!object->plug) continue;
-        int first = b->lit->first_vertex[object->first_polygon],
-            end = b->lit->first_vertex[object->first_polygon + object->polygon_count];
+        int first = lit_object_begin(b->lit, object)->first_vertex,
+            end = lit_object_end(b->lit, object)->first_vertex;
         memset(b->light.vertex + first, 0, (size_t)(end - first) * sizeof *b->light.vertex);
         double least, most;
         lit_plug_light(b->lit, &b->light, o, b->leaf);

@@ -12,7 +12,7 @@
 static LitMesh *load(Lamps3 *l, const char *path, WalkLight *light, LitLight *out) {
     Error error = {""};
     cr_assert(light_load(path, &l->scene, &l->arena, light, &error), "%s", error.text);
-    LitMesh *mesh = lit_mesh_new(light->mesh, &l->arena);
+    LitMesh *mesh = lit_mesh_new(light->mesh, &l->arena, &l->arena);
     *out = lit_light_new(mesh, &l->arena);
     lit_light_fill(mesh, light->solution, NULL, out);
     return mesh;

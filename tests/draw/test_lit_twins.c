@@ -22,10 +22,10 @@ Test(lit_twins, are_set_back) {
     lit_quad(lit, vec3(0, 0, 0.5), vec3(0, 1, 0.5), vec3(1, 1, 0.5), vec3(1, 0, 0.5), LIT_WALL);
     lit_finish(lit, 1, 1);
     const bool *twins = lit_twins(&lit->mesh, &lit->arena);
-    const LitMesh *drawn = lit_mesh_new(&lit->mesh, &lit->arena);
+    const LitMesh *drawn = lit_mesh_new(&lit->mesh, &lit->arena, &lit->arena);
     for (int p = 0; p < 6; p++) {
         cr_expect_eq(twins[lit->mesh.face_of[p]], EXPECTED[p], "polygon %d", p);
-        double z = (double)drawn->vertex[drawn->first_vertex[p]].position[2] + drawn->origin.z;
+        double z = (double)drawn->vertex[lit_face_of(drawn, p)->first_vertex].position[2] + drawn->origin.z;
         cr_expect_float_eq(z, (p == 4 ? 0.501 : 0.5) - (EXPECTED[p] ? 5e-4 : 0), 1e-6, "polygon %d at %g", p,
                            z);
     }

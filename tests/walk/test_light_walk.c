@@ -95,7 +95,7 @@ Test(light_thread, arrives_as_a_bake_of_its_own, .timeout = 300) {
     Error error;
     const LoadedScene *scene = w.session->shown->scene.scene;
     cr_assert(light_load(output, scene, &w.arena, &light, &error), "%s", error.text);
-    const LitMesh *mesh = lit_mesh_new(light.mesh, &w.arena);
+    const LitMesh *mesh = lit_mesh_new(light.mesh, &w.arena, &w.arena);
     LitLight loaded = lit_light_new(mesh, &w.arena);
     lit_light_fill(mesh, light.solution, NULL, &loaded);
     cr_expect_arr_eq(shown->vertex, loaded.vertex, (size_t)lit_vertex_count(mesh) * sizeof *loaded.vertex);

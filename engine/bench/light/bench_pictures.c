@@ -759,7 +759,7 @@ static bool rooms_at(const char *file, const BenchArguments *a, bool day, Text *
     bool good = open_scene(file, a, day, &arena, &s, error) && bake_way(&s, &WAYS[0], &arena, &shown, error);
     if (good) {
         const CellGraph *graph = &s.scene.graph;
-        LitMesh *lit = lit_mesh_new(&shown.fine->mesh, &arena);
+        LitMesh *lit = lit_mesh_new(&shown.fine->mesh, &arena, &arena);
         LitLight light = lit_light_new(lit, &arena);
         lit_light_fill(lit, &shown.light, NULL, &light);
         bool *used = ARENA_ARRAY(&arena, bool, graph->building->region_count + graph->cell_count + 1);

@@ -35,6 +35,7 @@ void app_begin(void) {
     // A limit of files' sizes is told of as a full disk is.
     signal(SIGXFSZ, SIG_IGN);
     json_set_alloc_funcs(memory_new, memory_free);
+    memory_return_large();
 }
 
 // ---- progress

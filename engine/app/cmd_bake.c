@@ -1,6 +1,5 @@
 // cmd_bake.c - `enfilade bake FILE`: computes the light of a building by radiosity, and stores it.
 #include <limits.h>
-#include <malloc.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -541,16 +540,8 @@ static void print_bake(Bake *bake) {
     print_warnings(bake);
 }
 
-// Meshes and their solutions are made and freed one after the other: large pieces go back to the system when they are freed, so that
-// they never add up. Left to itself, the library would keep them once some were freed.
-static void give_memory_back(void) {
-    mallopt(M_MMAP_THRESHOLD, 1 << 20);
-    mallopt(M_TRIM_THRESHOLD, 16 << 20);
-}
-
 // the exit code
 static int bake(BakeArguments *arguments) {
-    give_memory_back();
     Bake b = {.a = arguments};
     Arena arena = {0};
     Error error;

@@ -371,3 +371,8 @@ void memory_expect_full(void *memory, size_t bytes) {
 }
 
 void memory_return_freed(void) { malloc_trim(0); }
+
+void memory_return_large(void) {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);
+    mallopt(M_TRIM_THRESHOLD, 16 << 20);
+}

@@ -23,6 +23,9 @@ void memory_free(void *memory);              // NULL is allowed
 // several times as quick to get and to find again. Memory that stays untouched in part would take more than without.
 void memory_expect_full(void *memory, size_t bytes);
 void memory_return_freed(void);  // to the system: what was freed in many small pieces lies between others
+// From now on large pieces go back to the system when they are freed, so that meshes and their solutions, which are made and freed one
+// after the other, never add up. Left to itself, the library would keep them once some were freed.
+void memory_return_large(void);
 _Noreturn void memory_end(size_t bytes);  // ends the program: no memory for `bytes` bytes
 
 // Ends the program with another sentence: there is no room for memory where it was to go.

@@ -448,7 +448,7 @@ static int strongest(Shooter *s) {
 
 // In a round each part shoots its patches that have at least this share of the strongest one's power, of all parts: so they shoot about in
 // the order in which they would if they were one.
-static const double ROUND = 0.25;
+static const double ROUND = 0.0625;
 
 // Light that went to faces of others goes to those who shoot it.
 static void bring(Shooter *s) {

@@ -378,17 +378,18 @@ static void keep_corners(DirectSources *sources, const Direct *d) {
     memcpy(sources->corner, d->corner_by, bytes);
 }
 
-// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh; d's workers end.
-static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
-                        RadReport *report) {
+// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh; d's workers end. `good`: nothing
+// has failed so far in this part of the building. Parts meet when what they hold is least, since it waits in files.
+static bool light_nodes(Direct *d, const Showing *s, bool good, double (*at_node)[3], Arena *arena,
+                        RadSolution *out, RadReport *report) {
     Arena scratch = {0};
     DirectSources *sources = s->sources;
     const Mesh *mesh = d->mesh, *shown = s->shown;
     Nodes finer_nodes;
     const Nodes *nodes = d->nodes;
     const PointSources **by = NULL;
-    bool good = true;
     const bool take_lamps = sources && sources->lamps;
+    if (!good) return all_good(s->borders, false);
     if (take_lamps && shown == mesh) direct_turn_corners(sources, mesh, nodes, d->corner_by);
     if (sources) {
         by = arena_alloc(&sources->arena, (size_t)nodes->count + 1, sizeof *by);
@@ -427,14 +428,14 @@ static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena
         sources->besides = ARENA_ARRAY(&sources->arena, float, shown->element_count + 1);
         sources->middle = arena_alloc(&sources->arena, (size_t)shown->element_count + 1, sizeof *by);
     }
-    good = all_good(s->borders, good);
     if (good && take_lamps) {
         double(*share)[3] = full_shares(sources, &scratch);
         for (int n = 0; n < nodes->count; n++) put_sources(by[n], share, at_node[n]);
     }
     if (good) lift_nodes(d, shown, nodes, at_node, sources);
     direct_end(d);
-    good = good && store_nodes(s, nodes, at_node, arena, out);
+    if (shown != mesh) arena_free(s->of_mesh);
+    good = all_good(s->borders, good) && store_nodes(s, nodes, at_node, arena, out);
     arena_free(&scratch);
     return good;
 }
@@ -486,14 +487,14 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
 bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                        const Progress *progress, Arena *arena, RadSolution *solution, DirectSources *sources,
                        const Borders *borders, RadReport *report) {
-    Arena scratch = {0}, *lasting = sources ? &sources->arena : &scratch;
+    Arena scratch = {0}, of_mesh = {0}, *lasting = sources ? &sources->arena : &scratch;
     Direct d;
     Error error;
     RadReport work = {0};
-    Nodes nodes = nodes_of(mesh, &scratch);
+    Nodes nodes = nodes_of(mesh, &of_mesh);
     bool good = true;
     if (!report) report = &work;
-    direct_start(&d, mesh, forest, &nodes, &solution->day, &scratch);
+    direct_start(&d, mesh, forest, &nodes, &solution->day, &of_mesh);
     tell_sources_apart(&d, sources);
     double counts[4] = {d.lamp_count, direct_pairs(&d), 0, mesh->patch_count};
     for (int e = 0; e < mesh->element_count; e++) counts[2] += mesh_owns(mesh, mesh->elements[e].face);
@@ -512,7 +513,7 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
             if (!solution->gathered) sunlight_elements(mesh, &solution->day, parallel_threads(threads), sun);
         }
         RadSolution rest = other_light(mesh, solution, d.lamps, sun, false, &scratch), out = *solution;
-        double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
+        double(*at_node)[3] = arena_alloc(&of_mesh, (size_t)nodes.count + 1, sizeof *at_node);
         MeshSplits *splits = NULL;
         Mesh *finer = ARENA_ARRAY(lasting, Mesh, 1);
         Showing show = {.mesh = mesh,
@@ -524,19 +525,20 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
                         .threads = threads,
                         .progress = progress,
                         .sources = sources,
-                        .borders = borders};
-        d.besides = light_besides(mesh, &rest, solution, borders, &scratch);
-        d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
-        d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
+                        .borders = borders,
+                        .of_mesh = &of_mesh};
+        d.besides = light_besides(mesh, &rest, solution, borders, &of_mesh);
+        d.bends = ARENA_ARRAY(&of_mesh, Bend *, mesh->element_count + 1);
+        d.within = ARENA_ARRAY(&of_mesh, Within, mesh->element_count + 1);
         good = all_good(borders, direct_light(&d, threads, progress, at_node, report));
         if (good) {
             double most = MOST_ADDED * counts[2] + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (sources && sources->state_count > 0) most *= DOORS_ADD;
             if (solution->gathered && mesh->options.splits)
                 show.parts = reflected_parts(mesh, &nodes, solution, borders, lasting);
-            good = find_bends_of_doors(&d, &show, &scratch);
+            good = find_bends_of_doors(&d, &show, &of_mesh);
             for (int e = 0; good && lamps && e < mesh->element_count; e++)
-                d.bends[e] = bend_join(d.bends[e], lamps->bends[e], &scratch);
+                d.bends[e] = bend_join(d.bends[e], lamps->bends[e], &of_mesh);
             for (int e = 0; good && sources && sources->bends && e < mesh->element_count; e++)
                 sources->bends[e] = bend_join(NULL, d.bends[e], &sources->arena);
             splits = good ? bend_splits(mesh, d.bends, show.parts.halved, most, borders, arena) : NULL;
@@ -544,10 +546,10 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
         }
         if (solution->gathered) rest = other_light(mesh, solution, exact_lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, lasting, finer, &error);
-        good = all_good(borders, good && (!borders || is_finer == (splits != NULL)));
+        good = good && (!borders || is_finer == (splits != NULL));
         out.shown = is_finer ? splits : NULL;
         show.shown = is_finer ? finer : mesh;
-        good = good && light_nodes(&d, &show, at_node, arena, &out, report);
+        good = light_nodes(&d, &show, good, at_node, arena, &out, report);
         if (good) *solution = out;
         if (good && sources) {
             sources->shown = show.shown;
@@ -558,6 +560,7 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
         }
         direct_end(&d);  // if they have not ended
     }
+    arena_free(&of_mesh);
     arena_free(&scratch);
     return good;
 }

@@ -18,6 +18,8 @@ typedef struct Showing {
     const Progress *progress;
     DirectSources *sources;  // or NULL
     const Borders *borders;  // or NULL
+    Arena *
+        of_mesh;  // what light straight from lamps and sun was found with on `mesh`: it goes once the finer mesh has it
     double (*reflected)[3];  // [nodes] where to put the reflected light, NULL: it is not asked for
 } Showing;
 

@@ -33,7 +33,7 @@ struct WalkLit {
 // ---- upload
 
 // Locations of the vertex attributes in the shaders.
-enum { PLACE_POSITION = 0, PLACE_NORMAL = 1, PLACE_KIND = 4, PLACE_BEFORE = 8, PLACE_LIGHT = 9 };
+enum { PLACE_POSITION = 0, PLACE_NORMAL = 1, PLACE_KIND = 4, PLACE_SHINES = 5, PLACE_BEFORE = 8, PLACE_LIGHT = 9 };
 
 static void describe_vertices(const WalkLit *lit) {
     GLsizei stride = sizeof(LitVertex);
@@ -43,8 +43,11 @@ static void describe_vertices(const WalkLit *lit) {
                           (const void *)offsetof(LitVertex, position));
     glVertexAttribPointer(PLACE_NORMAL, 3, GL_FLOAT, GL_FALSE, stride,
                           (const void *)offsetof(LitVertex, normal));
-    glVertexAttribIPointer(PLACE_KIND, 2, GL_INT, stride, (const void *)offsetof(LitVertex, material));
-    static const unsigned PLACES[] = {PLACE_POSITION, PLACE_NORMAL, PLACE_KIND, PLACE_BEFORE, PLACE_LIGHT};
+    glVertexAttribIPointer(PLACE_KIND, 1, GL_INT, stride, (const void *)offsetof(LitVertex, material));
+    glVertexAttribIPointer(PLACE_SHINES, 2, GL_UNSIGNED_BYTE, stride,
+                           (const void *)offsetof(LitVertex, emits));
+    static const unsigned PLACES[] = {PLACE_POSITION, PLACE_NORMAL, PLACE_KIND,
+                                      PLACE_SHINES,   PLACE_BEFORE, PLACE_LIGHT};
     for (size_t i = 0; i < sizeof PLACES / sizeof *PLACES; i++) glEnableVertexAttribArray(PLACES[i]);
 }
 

@@ -24,6 +24,7 @@
 // How the light is shown.
 typedef struct LitTone {
     double exposure;       // the factor of radiosities, m^2/W
+    double outdoors;       // that of what lies outdoors
     FalseColour quantity;  // shown instead, unless it is FALSE_COLOUR_OFF
 } LitTone;
 
@@ -47,6 +48,7 @@ static unsigned lit_look_use(const LitLook *look, const LitTone *tone, LightRang
     set_number(program, "fade", fade);
     if (!numbers) {
         set_number(program, "exposure", tone->exposure);
+        set_number(program, "exposure_outdoors", tone->outdoors);
         return program;
     }
     double weights[3];
@@ -188,7 +190,7 @@ const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
 void walk_renderer_plain(WalkRenderer *w, bool plain) { w->plain = plain; }
 
 void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
-    w->tone = (LitTone){exposure, quantity};
+    w->tone = (LitTone){exposure, w->light ? exposure_outdoors(exposure, &w->light->day) : exposure, quantity};
 }
 
 void walk_renderer_free(WalkRenderer *w) {
@@ -347,8 +349,8 @@ static void set_day(const WalkRenderer *w, const SkyProgram *sky, const Daylight
     const double *cie = day->cie;
     daylight_seen_ground(day, ground);
     set_vector(sky->lit[SKY_SUN], day->sun);
-    set_three(sky->lit[SKY_GROUND], ground, w->tone.exposure);
-    set_three(sky->lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.exposure / daylight_overhead(day));
+    set_three(sky->lit[SKY_GROUND], ground, w->tone.outdoors);
+    set_three(sky->lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.outdoors / daylight_overhead(day));
     glUniform2f(sky->lit[SKY_GRADATION], (float)cie[0], (float)cie[1]);
     glUniform3f(sky->lit[SKY_INDICATRIX], (float)cie[2], (float)cie[3], (float)cie[4]);
     glUniform1f(sky->lit[SKY_SUN_SHINES], rgb_sum(day->beam) > 0);
@@ -359,7 +361,7 @@ static double sky_luminance(const WalkRenderer *w, const Daylight *lit) {
     double mean[3];
     if (!lit) return (double)WALK_SKY_LUMINANCE;
     daylight_mean(lit, mean);
-    return M_PI * w->tone.exposure * (0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2]);
+    return M_PI * w->tone.outdoors * (0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2]);
 }
 
 // `lit`: the day of baked light, or NULL. The picture of a sky is shown by day.

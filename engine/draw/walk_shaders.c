@@ -230,7 +230,8 @@ const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
 #define LIT_PLACES                                                                                           \
     "layout(location = 0) in vec3 position;\n"                                                               \
     "layout(location = 1) in vec3 normal;\n"                                                                 \
-    "layout(location = 4) in ivec2 kind;\n" /* material, does it emit */                                     \
+    "layout(location = 4) in int material;\n"                                                                \
+    "layout(location = 5) in uvec2 shines;\n" /* does it emit, is it outdoors */                             \
     "layout(location = 8) in vec3 before;\n"                                                                 \
     "layout(location = 9) in vec3 light;\n"                                                                  \
     "uniform mat4 clip;\n"                                                                                   \
@@ -240,15 +241,16 @@ const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
 // Light is computed as if the back of a face reflected nothing. But curtains and leaves are single polygons: their backs show
 // some of their front's light. Lamps stay bright however low the exposure is.
 const char WALK_LIT_VERTEX[] = VERSION CONSTANTS PICTURE_VERTEX BEFORE_VERTEX LIT_PLACES
-    "uniform float exposure;\n"
+    "uniform float exposure, exposure_outdoors;\n"
     "centroid out vec3 vLight;\n"
     "void main() {\n"
     "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
-    "    vLight = mix(before, light, fade) * exposure * picture_strength().rgb;\n"
+    "    vLight = mix(before, light, fade) * picture_strength().rgb;\n"
+    "    vLight *= shines.y == 1u ? exposure_outdoors : exposure;\n"
     "    bool front = dot(normal, eye - position) >= 0.0;\n"
     "    if (!front) vLight *= BACK_SHARE;\n"
     "    float most = max(max(vLight.r, vLight.g), max(vLight.b, 1e-20));\n"
-    "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
+    "    if (front && shines.x == 1u) vLight *= max(GLARE / most, 1.0);\n"
     "}\n";
 
 // The curve of walk_shade.h, then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: computing a power at each pixel takes
@@ -277,8 +279,8 @@ const char WALK_FALSE_VERTEX[] = VERSION BEFORE_VERTEX LIT_PLACES
     "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
     "    vec3 value = mix(before, light, fade);\n"
     "    if (arriving) {\n"
-    "        vec3 rho = texelFetch(materials, 2 * kind.x).rgb;\n"
-    "        value = max(value - texelFetch(materials, 2 * kind.x + 1).rgb, 0.0) / max(rho, 1e-20);\n"
+    "        vec3 rho = texelFetch(materials, 2 * material).rgb;\n"
+    "        value = max(value - texelFetch(materials, 2 * material + 1).rgb, 0.0) / max(rho, 1e-20);\n"
     "        if (min(rho.r, min(rho.g, rho.b)) == 0.0) value = vec3(-1.0);\n"
     "    }\n"
     "    vValue = dot(value, weights);\n"

@@ -18,6 +18,11 @@ static const double ADAPTATION_SECONDS = 0.4;
 // Light that differs by this share looks the same: a third of a step of the screen's 255.
 static const double ADAPTED = 0.003;
 
+// Things outdoors reflect about so much. Where that is brighter on the screen than FULL, which is that of an eye outdoors and a half, ten
+// times the brightness is shown as twice as bright: the sharp edge between a room and the day allows it, as local adaptation does
+// (Reinhard, Stark, Shirley & Ferwerda 2002, section 4).
+static const double OUTDOORS_REFLECTANCE = 0.25, OUTDOORS_FULL = 1, OUTDOORS_SLOPE = 0.3;
+
 typedef struct Sum {
     double weight, logs;
 } Sum;
@@ -74,6 +79,13 @@ bool exposure_adapt(Exposure *e, double seen, double usual, double seconds) {
 }
 
 double exposure_scale(const Exposure *e) { return e->level > 0 ? MIDDLE / e->level * exp2(e->stops) : 1; }
+
+double exposure_outdoors(double scale, const Daylight *day) {
+    double level[3];
+    daylight_horizontal(day, level);
+    double usual = scale * OUTDOORS_REFLECTANCE * light_luminous(level);
+    return usual > OUTDOORS_FULL ? scale * pow(usual / OUTDOORS_FULL, OUTDOORS_SLOPE - 1) : scale;
+}
 
 double exposure_on_screen(double light) {
     double x = fmin(fmax(light, 0), WALK_WHITE);

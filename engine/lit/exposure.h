@@ -21,6 +21,9 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
 bool exposure_adapt(Exposure *exposure, double seen, double usual, double seconds);
 // The factor by which radiosities are multiplied for the screen, m^2/W.
 double exposure_scale(const Exposure *exposure);
+// That factor for what lies outdoors under such a day. Where a room is dark beside the day, eyes adapt to either by itself: what is seen
+// through a window is bright, and keeps its colours. Outdoors, and by night, both are one.
+double exposure_outdoors(double scale, const Daylight *day);
 // A channel of light, times that factor, on the screen: sRGB, 0 .. 1, by the curve of walk_shade.h.
 double exposure_on_screen(double light);
 

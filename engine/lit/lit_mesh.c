@@ -180,10 +180,13 @@ static void fill_face(const LitMesh *lit, const LitFace *face, bool twin, const 
             v[i] = mesh->vertices[mesh->corners[corner]];
             Vec3 at = leaf ? leaf_point_closed(leaf, of_mesh->open, v[i]) : v[i];
             Vec3 p = vec3_sub(vec3_add(at, back), lit->origin);
-            lit->vertex[vertex_of[corner]] = (LitVertex){{(float)p.x, (float)p.y, (float)p.z},
-                                                         {(float)n.x, (float)n.y, (float)n.z},
-                                                         face->material,
-                                                         material_emits(&b->materials[face->material])};
+            lit->vertex[vertex_of[corner]] = (LitVertex){
+                .position = {(float)p.x, (float)p.y, (float)p.z},
+                .normal = {(float)n.x, (float)n.y, (float)n.z},
+                .material = face->material,
+                .emits = material_emits(&b->materials[face->material]),
+                .outdoors = face->outdoors,
+            };
             lit->node[vertex_of[corner]] = lit->nodes.of_corner[corner];
         }
         put_spot(lit, e, v, element->corner_count);

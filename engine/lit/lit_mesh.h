@@ -8,7 +8,9 @@
 
 typedef struct LitVertex {
     float position[3], normal[3];
-    int32_t material, emits;  // index in Building.materials; 0 or 1: does it emit
+    int32_t material;         // index in Building.materials
+    uint8_t emits, outdoors;  // 0 or 1: does it emit? Is outdoors in front of it?
+    uint8_t unused[2];
 } LitVertex;
 
 // A polygon of the graph that is drawn.

@@ -123,6 +123,7 @@ static void prepare_still(Still *s, const StabForest *forest, const WalkLight *b
     s->exposure = expose(forest, baked, s->camera, s->options->stops);
     double spread = pixel_angle(s->camera) / sqrt(s->options->samples);
     s->sky = still_sky(baked->mesh->graph->building, &baked->solution->day, s->exposure, spread);
+    s->light.outdoors = s->sky.outdoors = exposure_outdoors(s->exposure, &baked->solution->day) / s->exposure;
     s->media = still_scene_media(s->scene, s->camera->eye);
     s->whitted = (Whitted){.scene = s->scene,
                            .light = &s->light,

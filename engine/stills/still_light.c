@@ -7,6 +7,7 @@
 #include <stdatomic.h>
 
 #include "engine/lit/false_colour.h"
+#include "engine/scene/light_level.h"
 #include "engine/shade/walk_shade.h"
 #include "radiosity/factors/lamp_spread.h"
 #include "radiosity/show/gather.h"
@@ -690,7 +691,7 @@ static void smooth_shapes(const Mesh *mesh, double (*light)[3]) {
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution, StillLamps *lamps,
                            Arena *arena) {
     const Mesh *mesh = scene->mesh;
-    StillLight light = {.scene = scene, .lamps = lamps};
+    StillLight light = {.scene = scene, .lamps = lamps, .outdoors = 1};
     Arena scratch = {0};
     RadSolution shown = *solution;
     if (lamps && solution->rest) {
@@ -822,6 +823,8 @@ void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *h
         for (int c = 0; c < 3; c++) out[c] *= share;
         if (light->lamps) add_lamps(light, rho, &spot, at, normal, hit->front, rays, numbers, out);
         if (rgb_sum(light->sun.beam) > 0) add_sun(light, rho, at, normal, rays, numbers, out);
+        if (light_outdoors(light->scene->mesh, spot.element))
+            for (int c = 0; c < 3; c++) out[c] *= light->outdoors;
     }
     // In the other cases the baked light contains the emission.
     if (hit->front && (light->lamps || spot.element < 0)) {

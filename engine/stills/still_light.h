@@ -31,6 +31,7 @@ typedef struct StillLight {
     Daylight sun;       // its disc lights places by shadow rays; no beam: the sun's light is in `baked`
     Vec3 sun_x, sun_y;  // unit vectors across its beam
     double mean[3];     // mean of all surfaces by area, W/m^2
+    double outdoors;    // light of surfaces outdoors is shown by this factor
 } StillLight;
 
 // With `lamps`, light straight from lamps comes from these, that of the sun from its disc, and `baked` is the rest of the solution. The
@@ -39,7 +40,7 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
                            Arena *arena);
 
 // The light that a ray sees at its hit, W/m^2 a channel (the radiosity of a diffuse surface that looks the same), of a picture as of
-// its mean over about `width` metres; takes about `rays` shadow rays.
+// its mean over about `width` metres; times `outdoors` where outdoors is in front of the surface. Takes about `rays` shadow rays.
 void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, double width, int rays,
                     StillNumbers *numbers, double out[3]);
 

@@ -35,7 +35,7 @@ static double brightness(const Building *b) {
 }
 
 StillSky still_sky(const Building *b, const Daylight *day, double exposure, double spread) {
-    StillSky sky = {.day = *day, .exposure = exposure, .building = b};
+    StillSky sky = {.day = *day, .exposure = exposure, .outdoors = 1, .building = b};
     if (b->sky_texture == 0 || !daylight_shines(day)) return sky;
     double mean[3], bright = brightness(b);
     daylight_mean(day, mean);
@@ -64,6 +64,7 @@ void still_sky_at(const void *context, Vec3 direction, double out[3]) {
     double rise = direction.z, up = 0.97 * sqrt(fmax(rise, 0)), above = smooth_step(-0.03, 0.01, rise);
     if (daylight_shines(&sky->day)) {
         by_day(sky, direction, out);
+        for (int c = 0; c < 3; c++) out[c] *= sky->outdoors;
         return;
     }
     for (int c = 0; c < 3; c++) {

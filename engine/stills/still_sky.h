@@ -9,6 +9,7 @@
 typedef struct StillSky {
     Daylight day;
     double exposure;  // divides the night sky, which is given as it is on the screen
+    double outdoors;  // the day is shown by this factor
     const Building *building;
     double scale;   // of the picture's colours, W/m^2; 0: there is no picture, or it is night
     double texels;  // of the picture between neighbouring rays

@@ -210,3 +210,30 @@ Test(exposure, rooms_by_day) {
     }
     lit_free(s.lit);
 }
+
+// Proves that what lies outdoors is exposed like all else by night, and where the eye has adapted to outdoors; that in a room which is
+// darker it grows brighter on the screen as the day does, without a step, and stays below white although it is a thousand times the room;
+// and that the exposure of a room does not depend on it.
+Test(exposure, outdoors_through_a_window) {
+    static const double ONE[3] = {1, 1, 1};
+    Daylight night = {0}, day = daylight_uniform(ONE);
+    // A room of level 1 W/m^2.
+    Exposure room = {.stops = 0};
+    exposure_adapt(&room, 1, 1, 0);
+    double scale = exposure_scale(&room), before = 0, level[3];
+    cr_expect_eq(exposure_outdoors(scale, &night), scale);
+    daylight_horizontal(&day, level);
+    for (double brighter = 0.25; brighter < 1000; brighter *= 1.05) {
+        Daylight other = day;
+        for (int c = 0; c < 3; c++) other.zenith[c] *= brighter;
+        double shown = exposure_outdoors(scale, &other) * brighter * level[0];
+        cr_expect(shown > before && (before == 0 || shown < 1.051 * before), "%g times: %g, then %g",
+                  brighter, before, shown);
+        before = shown;
+    }
+    // A quarter of it, a lawn, is not white.
+    cr_expect_lt(exposure_on_screen(before / 4), 0.98);
+    Exposure outside = {.stops = 0};
+    exposure_adapt(&outside, level[0] / 4, level[0] / 4, 0);
+    cr_expect_eq(exposure_outdoors(exposure_scale(&outside), &day), exposure_scale(&outside));
+}

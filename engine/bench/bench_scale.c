@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "engine/bench/apart.h"
 #include "engine/bench/bench.h"
@@ -15,6 +16,8 @@
 #include "engine/core/text.h"
 #include "engine/draw/view.h"
 #include "engine/scene/bake_mesh.h"
+#include "engine/scene/bake_parts.h"
+#include "engine/scene/kept_parts.h"
 #include "maps/maps.h"
 #include "radiosity/show/direct.h"
 #include "visibility/pairs/campus.h"
@@ -34,10 +37,12 @@ typedef enum Stage {
     SHOOTING,
     SHOT,
     SHOWN,
+    PARTS,
     STAGES
 } Stage;
-static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees",    "memory", "query",
-                                                "drawn",   "pair",  "mesh",  "shooting", "shot",   "shown"};
+static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees", "memory",
+                                                "query",   "drawn", "pair",  "mesh",  "shooting",
+                                                "shot",    "shown", "parts"};
 
 // The figures of one building. `peak_mb` is the memory that the process had at most during a stage, less what it began with.
 typedef struct Scale {
@@ -191,22 +196,28 @@ static bool run_stages(Scale *s) {
     return true;
 }
 
-// A bake by night to the usual residual, as `enfilade bake` makes it: the mesh that follows the light; shots and what is gathered along
-// their rows; light at the nodes. The building is read once more, with its lamps, which is not counted.
+// The building once more, with its lamps, by night; for one thread.
+static bool open_scene(Scale *s, Arena *arena, LoadedScene *scene, BakeOptions *options) {
+    SceneOptions load = s->arguments->load;
+    *options = bake_default_options();
+    load.lamps = SCENE_LAMPS_ALL;
+    load.day.night = true;
+    load.vis.threads = options->rad.threads = options->mesh.threads = 1;
+    return scene_load(s->file, &load, arena, scene, &s->error);
+}
+
+// A bake to the usual residual, as `enfilade bake` makes it: the mesh that follows the light; shots and what is gathered along their rows;
+// light at the nodes.
 static bool run_bake(Scale *s, double base) {
     Arena arena = {0};
     LoadedScene scene;
-    SceneOptions load = s->arguments->load;
-    BakeOptions options = bake_default_options();
+    BakeOptions options;
     RadSolution light;
     RadReport report = {0};
     Mesh mesh;
     float *doors;
     double start;
-    load.lamps = SCENE_LAMPS_ALL;
-    load.day.night = true;
-    load.vis.threads = options.rad.threads = options.mesh.threads = 1;
-    if (!scene_load(s->file, &load, &arena, &scene, &s->error)) return false;
+    if (!open_scene(s, &arena, &scene, &options)) return false;
     begin_stage(&start);
     if (!bake_mesh(&options, &scene, NULL, NULL, &arena, &doors, &mesh, &s->error)) return false;
     end_stage(s, MESH, start, base, mesh.element_count);
@@ -220,15 +231,41 @@ static bool run_bake(Scale *s, double base) {
     begin_stage(&start);
     direct_show(&mesh, &scene.forest, doors, 1, NULL, &arena, &light, &report);
     end_stage(s, SHOWN, start, base, light.node_count);
-    s->baked = true;
     arena_free(&arena);
     return true;
+}
+
+// The same as `enfilade bake --apart` makes it, part by part, the others in files of a folder that goes afterwards. Counted are elements of
+// all parts, those that several have.
+static bool run_parts(Scale *s, double base) {
+    enum { CELLS_A_PART = 256 };
+    Arena arena = {0};
+    LoadedScene scene;
+    BakeOptions options;
+    PartsReport report = {0};
+    char folder[] = "/tmp/enfilade-scale-XXXXXX";
+    double start;
+    if (!open_scene(s, &arena, &scene, &options)) return false;
+    if (!mkdtemp(folder)) return error_set(&s->error, "%s: cannot be made", folder);
+    const char *light = arena_format(&arena, "%s/light.rad", folder), *kept = kept_folder(light, &arena);
+    PartsKeep keep = {.folder = kept, .seconds = INFINITY, .apart = light};
+    begin_stage(&start);
+    bool good =
+        bake_parts(&options, &scene, CELLS_A_PART, &keep, NULL, &arena, NULL, NULL, NULL, &report, &s->error);
+    end_stage(s, PARTS, start, base, report.elements_share * report.elements);
+    kept_remove(kept, kept_last(kept) + 1, 0);
+    remove(light);
+    rmdir(folder);
+    arena_free(&arena);
+    return good;
 }
 
 static void run_apart(void *context) {
     Scale *s = context;
     double base = status_mb("VmRSS");
-    s->good = run_stages(s) && (s->rooms > s->arguments->baked_rooms || run_bake(s, base));
+    s->good = run_stages(s);
+    s->baked = s->good && s->rooms <= s->arguments->baked_rooms;
+    if (s->baked) s->good = run_bake(s, base) && run_parts(s, base);
 }
 
 static bool measure_file(const char *file, const BenchArguments *a, Scale *out, Error *error) {
@@ -325,8 +362,8 @@ const Bench BENCH_SCALE = {
     .name = "scale",
     .about = "what each stage costs as buildings of one kind grow: reading, cells, pairs of cells that see "
              "each other, stab trees, all memory, the query of a frame, polygons drawn, one pair, a bake: "
-             "its mesh, "
-             "shooting, one shot, light as it is shown; seconds of one thread, MB at most above those of the "
+             "its mesh, shooting, one shot, light as it is shown; the same bake part by part; seconds of one "
+             "thread, MB at most above those of the "
              "empty program; the slopes go to standard error",
     BENCH_OPTIONS(ROWS),
     .run = measure_scale,

@@ -3,9 +3,9 @@
 # usage: gnuplot -e "csv='build/bench/scale.csv'; out='build/pictures/scale'" tests/plots/scale.gp
 # writes OUT.svg and OUT.png
 set datafile separator ','
-stages = "reading cells pairs trees query mesh shooting shown"
-colours = "#909090 #208040 #d08020 #3080c0 #b02020 #7040a0 #a06040 #c060a0"
-marks = "7 11 9 5 13 4 6 8"
+stages = "reading cells pairs trees query mesh shooting shown parts"
+colours = "#909090 #208040 #d08020 #3080c0 #b02020 #7040a0 #a06040 #c060a0 #202020"
+marks = "7 11 9 5 13 4 6 8 10"
 of(stage, figure) = strcol(2) eq stage && figure > 0 ? figure : NaN
 set grid lc rgb '#dddddd'
 set border 3

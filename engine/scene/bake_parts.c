@@ -321,12 +321,13 @@ static bool store_apart(PartsBake *b, Keeper *keeper, Borders *borders, const Me
                rad_save(kept_file(b->keep->folder, keeper->set, own, parts, &arena), &lit, doors, &light,
                         &error);
     }
+    // Before they meet again: that of all parts together would be the most that ever waits.
+    arena_free(&arena);
     good = all_did(b, member, good, &error);
     LightParts all = {b->cells, parts, keeper->set, level, scene->day};
     if (good && own == 0) good = light_parts_save(b->keep->apart, &scene->building, &all, &error);
     good = all_did(b, member, good, &error);
     if (good && own == 0) kept_remove(b->keep->folder, keeper->set, 0);
-    arena_free(&arena);
     return good;
 }
 

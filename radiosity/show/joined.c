@@ -10,13 +10,13 @@
 #include "radiosity/show/shown.h"
 
 // A part begins with this. Then come, for each face, a FaceRecord, the bits of the splits of both meshes, and doubles: three for each
-// element of radiosity, of direct light and of daylight, and for each patch of unshot light. Where light is shown there follow, for each
-// element of the mesh that shows it, the number of its corners, and for each corner its light and the rest of that. In the mesh of another
-// part an element may have more corners, or fewer, on its edges: then its corners have their places, too.
+// element of radiosity, of direct light and of daylight, and for each patch of unshot light. Where light is shown there follow the number
+// of the face's nodes, for each its light and the rest of that, and for each element of the mesh that shows it the number of its corners
+// and the node of each. In the mesh of another part an element may have more corners, or fewer, on its edges: then nodes have places, too.
 typedef struct PartHead {
     int face_count, splits_even, shown_even;
     bool splits, shown, nodes;
-    bool places;  // each corner begins with its place
+    bool places;  // each node begins with its place
     double emitted[3], absorbed[3], escaped[3], outdoors[3];
     Daylight day;
     long long shots;
@@ -64,25 +64,43 @@ typedef struct Packing {
     Nodes nodes;  // of `shown`
     FaceTitle *titles;
     int *bit, *shown_bit;  // as mesh_face_bits gives them, or NULL
+    int *in_face;          // [nodes.count] the node's number in the face that is packed last
     PartHead head;         // but for the number of faces
     Arena scratch;
 } Packing;
 
+static void push_node(Arena *arena, Doubles *d, const Packing *p, int node) {
+    Vec3 at = p->shown.vertices[p->nodes.vertex[node]];
+    if (p->head.places) push_light(arena, d, (double[1][3]){{at.x, at.y, at.z}}, 0, 1);
+    push_light(arena, d, p->solution->node, node, 1);
+    push_light(arena, d, p->solution->rest, node, 1);
+}
+
+// Each node of the face once: without that the letters of a large building are its largest part.
 static void push_corners(Arena *arena, Doubles *d, const Packing *p, int face) {
     const Mesh *shown = &p->shown;
-    const Nodes *nodes = &p->nodes;
-    const RadSolution *s = p->solution;
     const Face *f = &shown->faces[face];
+    int count = 0, at = d->count;
+    Doubles corners = {0};
+    add_double(arena, d, 0);
+    for (int e = f->first_element; e < f->first_element + f->element_count; e++)
+        for (int c = shown->elements[e].first_corner;
+             c < shown->elements[e].first_corner + shown->elements[e].corner_count; c++)
+            p->in_face[p->nodes.of_corner[c]] = -1;
     for (int e = f->first_element; e < f->first_element + f->element_count; e++) {
         const Element *element = &shown->elements[e];
-        add_double(arena, d, element->corner_count);
+        add_double(arena, &corners, element->corner_count);
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-            Vec3 at = shown->vertices[shown->corners[c]];
-            if (p->head.places) push_light(arena, d, (double[1][3]){{at.x, at.y, at.z}}, 0, 1);
-            push_light(arena, d, s->node, nodes->of_corner[c], 1);
-            push_light(arena, d, s->rest, nodes->of_corner[c], 1);
+            int node = p->nodes.of_corner[c], *number = &p->in_face[node];
+            if (*number < 0) {
+                *number = count++;
+                push_node(arena, d, p, node);
+            }
+            add_double(arena, &corners, *number);
         }
     }
+    d->at[at] = count;
+    for (int i = 0; i < corners.count; i++) add_double(arena, d, corners.at[i]);
 }
 
 static void pack_bits(Arena *arena, Packed *out, const MeshSplits *splits, int first, int count,
@@ -101,6 +119,7 @@ static bool packing_begin(Packing *p, const Mesh *mesh, const RadSolution *solut
         return false;
     }
     p->nodes = nodes_of(&p->shown, &p->scratch);
+    p->in_face = ARENA_ARRAY(&p->scratch, int, p->nodes.count + 1);
     p->titles = border_titles(mesh, &p->scratch);
     p->bit = splits ? mesh_face_bits(mesh, splits, &p->scratch) : NULL;
     p->shown_bit = finer ? mesh_face_bits(mesh, finer, &p->scratch) : NULL;
@@ -244,23 +263,32 @@ static const char *take_light(const char *from, double (*value)[3], int first, i
     return from + bytes;
 }
 
-// Corners of an element as they were packed.
+// Nodes of a face, and corners of an element, as they were packed.
 typedef struct Corners {
-    const char *at;
+    const char *nodes, *at;
     int count;
     bool places;
 } Corners;
 
-static size_t corner_size(bool places) { return (places ? 9 : 6) * sizeof(double); }
+static size_t node_size(bool places) { return (places ? 9 : 6) * sizeof(double); }
+
+static int count_at(const char *at) {
+    double count;
+    memcpy(&count, at, sizeof count);
+    return (int)count;
+}
+
+static const char *node_of(const Corners *c, int corner) {
+    return c->nodes + (size_t)count_at(c->at + (size_t)corner * sizeof(double)) * node_size(c->places);
+}
 
 static void corner_light(const Corners *c, int corner, double light[2][3]) {
-    const char *end = c->at + (size_t)(corner + 1) * corner_size(c->places);
-    memcpy(light, end - 6 * sizeof(double), 6 * sizeof(double));
+    memcpy(light, node_of(c, corner) + node_size(c->places) - 6 * sizeof(double), 6 * sizeof(double));
 }
 
 static Vec3 corner_place(const Corners *c, int corner) {
     Vec3 out;
-    memcpy(&out, c->at + (size_t)corner * corner_size(true), sizeof out);
+    memcpy(&out, node_of(c, corner), sizeof out);
     return out;
 }
 
@@ -294,15 +322,16 @@ static bool take_corners(const Joined *joined, bool places, const Mesh *shown, i
     const char *at = joined->doubles +
                      (size_t)(9 * title->element_count + 3 * title->patch_count) * sizeof(double),
                *end = joined->doubles + (size_t)joined->record.double_count * sizeof(double);
+    Corners corners = {.nodes = at + sizeof(double), .places = places};
+    at = corners.nodes + (size_t)count_at(at) * node_size(places);
     for (int e = f->first_element; e < f->first_element + f->element_count; e++) {
         const Element *element = &shown->elements[e];
-        double count = 0;
         if (at >= end) return false;
-        memcpy(&count, at, sizeof count);
-        Corners corners = {at + sizeof count, (int)count, places};
+        corners.count = count_at(at);
+        corners.at = at + sizeof(double);
         bool same = corners.count == element->corner_count;
         if (!same && !places) return false;
-        at = corners.at + (size_t)corners.count * corner_size(places);
+        at = corners.at + (size_t)corners.count * sizeof(double);
         for (int i = 0; i < element->corner_count; i++) {
             int corner = element->first_corner + i, node = nodes->of_corner[corner];
             double light[2][3];

@@ -18,9 +18,9 @@ static const double ADAPTATION_SECONDS = 0.4;
 // Light that differs by this share looks the same: a third of a step of the screen's 255.
 static const double ADAPTED = 0.003;
 
-// Things outdoors reflect about so much. Where that is brighter on the screen than FULL, which is that of an eye outdoors and a half, ten
-// times the brightness is shown as twice as bright: the sharp edge between a room and the day allows it, as local adaptation does
-// (Reinhard, Stark, Shirley & Ferwerda 2002, section 4).
+// Things outdoors reflect about so much. Where that would be brighter than FULL, half as bright again as an eye outdoors sees it, ten times
+// the light is shown as twice as much: the sharp edge between a room and the day allows it, as local adaptation does (Reinhard, Stark,
+// Shirley & Ferwerda 2002, on dodging and burning).
 static const double OUTDOORS_REFLECTANCE = 0.25, OUTDOORS_FULL = 1, OUTDOORS_SLOPE = 0.3;
 
 typedef struct Sum {

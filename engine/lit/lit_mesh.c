@@ -102,13 +102,14 @@ static void faces_of_polygons(const Mesh *mesh, LitMesh *lit, Arena *arena) {
         if (f < 0) continue;
         const Face *face = &mesh->faces[f];
         if (mesh_is_lamp(mesh, f)) lit->lamp[lit->lamp_count++] = lit->face_count;
-        lit->faces[lit->face_count++] = (LitFace){.plane = face->plane,
-                                                  .polygon = p,
-                                                  .material = face->material,
-                                                  .first_element = face->first_element,
-                                                  .element_count = face->element_count,
-                                                  .lamp = mesh_is_lamp(mesh, f),
-                                                  .outdoors = light_outdoors(mesh, face->first_element)};
+        lit->faces[lit->face_count++] =
+            (LitFace){.plane = face->plane,
+                      .polygon = p,
+                      .material = face->material,
+                      .first_element = face->first_element,
+                      .element_count = face->element_count,
+                      .lamp = mesh_is_lamp(mesh, f),
+                      .outdoors = face->element_count > 0 && light_outdoors(mesh, face->first_element)};
     }
     lit->first_face[graph->polygon_count] = lit->face_count;
 }
@@ -219,12 +220,6 @@ LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena, Arena *of_fill) {
     return lit;
 }
 
-void lit_mesh_filled(LitMesh *lit) {
-    lit->mesh = NULL;
-    lit->nodes = (Nodes){0};
-    lit->node = NULL;
-}
-
 // ---- light
 
 LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
@@ -305,4 +300,21 @@ void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float
         out->ranges[q] = range_of(lit, &even, (FalseColour)q);
 
     arena_free(&scratch);
+}
+
+LitMesh *lit_load_part(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error) {
+    Arena of_fill = {0};
+    LitMesh *lit = NULL;
+    WalkLight light;
+    if (light_load_part(parts, part, &of_fill, &light, error)) {
+        lit = lit_mesh_new(light.mesh, arena, &of_fill);
+        *out = lit_light_new(lit, arena);
+        lit_light_fill(lit, light.solution, light.door_open, out);
+        out->level = light_parts_level(parts);
+        lit->mesh = NULL;
+        lit->nodes = (Nodes){0};
+        lit->node = NULL;
+    }
+    arena_free(&of_fill);
+    return lit;
 }

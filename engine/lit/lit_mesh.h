@@ -4,7 +4,7 @@
 #define WALK_LIT_MESH_H
 
 #include "engine/lit/false_colour.h"
-#include "engine/scene/walk_light.h"
+#include "engine/scene/light.h"
 
 typedef struct LitVertex {
     float position[3], normal[3];
@@ -36,7 +36,7 @@ typedef struct LitMesh {
     int *lamp;  // [lamp_count] faces of lamps, lit or not
     int lamp_count;
     float (*spot)[4];  // [element_count] for the exposure: the element's middle; its area, m^2
-    // Light is filled from these; NULL: no more is (lit_mesh_filled).
+    // Light is filled from these; NULL: no more is (lit_load_part).
     const Mesh *mesh;
     Nodes nodes;  // of the mesh
     int *node;    // [vertex_count]
@@ -58,8 +58,6 @@ Vec3 lit_origin(const CellGraph *graph);
 
 // `of_fill` has what light is filled from: the same arena, or one that ends with the mesh once light was filled for the last time.
 LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena, Arena *of_fill);
-// No more light will be filled: the mesh, and what it has in `of_fill`, may end.
-void lit_mesh_filled(LitMesh *lit);
 static inline int lit_vertex_count(const LitMesh *lit) { return lit->faces[lit->face_count].first_vertex; }
 // The face of a polygon; NULL: it has none.
 static inline const LitFace *lit_face_of(const LitMesh *lit, int polygon) {
@@ -81,5 +79,9 @@ bool *lit_twins(const Mesh *mesh, Arena *arena);
 LitLight lit_light_new(const LitMesh *lit, Arena *arena);
 // `doors` [opening_count]; NULL: as they stand in lit->mesh.
 void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float *doors, LitLight *out);
+
+// The light of a part (light_load_part) and its mesh, in the arena, as drawing needs them: nothing else of the part is kept, and no other
+// light can be filled. NULL and an error where it cannot be read.
+LitMesh *lit_load_part(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error);
 
 #endif

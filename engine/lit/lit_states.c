@@ -138,7 +138,7 @@ static void show_dark_lamp(LitStates *s, int index, LitLight *out) {
     const LitMesh *mesh = s->mesh;
     const LitFace *lamp = &mesh->faces[mesh->lamp[index]];
     Rgb rho = mesh->graph->building->materials[lamp->material].reflectance;
-    if (rho.r + rho.g + rho.b > 0) return;
+    if (lamp->element_count == 0 || rho.r + rho.g + rho.b > 0) return;
     if (s->like[index] < 0) s->like[index] = vertex_near(mesh, lamp);
     for (int v = lamp->first_vertex; v < lamp[1].first_vertex; v++)
         memcpy(out->vertex[v], out->vertex[s->like[index]], sizeof *out->vertex);

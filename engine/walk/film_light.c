@@ -18,11 +18,10 @@ struct FilmLight {
     Arena *arena;
     WalkLight baked;  // anew, by `source`, in `room`
     Arena room;
-    const WalkLight *
-        light;  // that is shown; NULL: none is yet, or it is that of a part, of which only what is drawn is kept
-    int part;           // of light in parts, -1: none is shown yet
-    int rooms;          // of FilmLightSource that were used
-    LitStates *states;  // NULL: the light does not follow
+    const WalkLight *light;  // that is shown; NULL: none is yet, or that of a part is
+    int part;                // of light in parts, -1: none is shown yet
+    int rooms;               // of FilmLightSource that were used
+    LitStates *states;       // NULL: the light does not follow
     LitLight state[2];
     int at;        // the state that is shown
     float *shown;  // [opening_count] the doors of that state
@@ -31,25 +30,21 @@ struct FilmLight {
     bool stayed;
 };
 
-// Light on a mesh takes the place of that on the mesh before. Lives in the arena; what it is filled from, in `of_fill`.
-static LitMesh *fill_light(FilmLight *f, const WalkLight *light, Arena *arena, Arena *of_fill) {
-    LitMesh *mesh = lit_mesh_new(light->mesh, arena, of_fill);
-    f->at = 0;
-    f->state[0] = lit_light_new(mesh, arena);
-    lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
-    memcpy(f->shown, light->door_open, (size_t)f->building->opening_count * sizeof *f->shown);
-    return mesh;
-}
-
+// The first state on a mesh takes the place of that on the mesh before.
 static bool upload(FilmLight *f, LitMesh *mesh, Error *error) {
+    f->at = 0;
+    memcpy(f->shown, f->state[0].doors, (size_t)f->building->opening_count * sizeof *f->shown);
     walk_renderer_expect(f->renderer, mesh);
     walk_renderer_take(f->renderer, &f->state[0], SIZE_MAX);
     walk_renderer_fade(f->renderer, INFINITY);
     return gl_check("uploading the light of a building", error);
 }
 
+// Lives in the arena.
 static bool show_light(FilmLight *f, const WalkLight *light, Arena *arena, Error *error) {
-    LitMesh *mesh = fill_light(f, light, arena, arena);
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena, arena);
+    f->state[0] = lit_light_new(mesh, arena);
+    lit_light_fill(mesh, light->solution, light->door_open, &f->state[0]);
     f->light = light;
     if (light->follower) {
         const Lamps *lamps = light_follower_lamps(light);
@@ -146,18 +141,12 @@ bool film_light_come(FilmLight *f, int cell, Error *error) {
     if (part < 0 || part == f->part) return true;
     // No frame is drawn meanwhile, so the part before it goes first: a large building has memory for one of them.
     walk_renderer_darken(f->renderer);
-    Arena *room = &f->source.room[0], of_fill = {0};
-    LitMesh *mesh = NULL;
-    WalkLight light;
+    Arena *room = &f->source.room[0];
     arena_free(room);
-    if (light_load_part(f->source.parts, part, &of_fill, &light, error)) {
-        mesh = fill_light(f, &light, room, &of_fill);
-        lit_mesh_filled(mesh);
-        f->state[0].level = light_parts_level(f->source.parts);
-        f->part = part;
-    }
-    arena_free(&of_fill);
-    return mesh && upload(f, mesh, error);
+    LitMesh *mesh = lit_load_part(f->source.parts, part, room, &f->state[0], error);
+    if (!mesh) return false;
+    f->part = part;
+    return upload(f, mesh, error);
 }
 
 bool film_light_covers(const FilmLight *f, int cell) {

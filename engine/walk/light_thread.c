@@ -323,21 +323,12 @@ static int next_part(LightThread *t) {
     return part;
 }
 
-// The part that the walk holds lies in room[at]; that of a part that was dropped is used again. Of the part only what is drawn stays.
+// The part that the walk holds lies in room[at]; that of a part that was dropped is used again.
 static bool read_part(LightThread *t, int part) {
-    Arena *room = &t->room[1 - t->at], of_fill = {0};
+    Arena *room = &t->room[1 - t->at];
     LitLight *state = &t->state[t->at == 0 ? LAST : LAST_ANEW];
-    LitMesh *mesh = NULL;
-    WalkLight light;
     arena_free(room);
-    if (light_load_part(t->baker.parts, part, &of_fill, &light, &t->error)) {
-        mesh = lit_mesh_new(light.mesh, room, &of_fill);
-        *state = lit_light_new(mesh, room);
-        lit_light_fill(mesh, light.solution, light.door_open, state);
-        lit_mesh_filled(mesh);
-        state->level = light_parts_level(t->baker.parts);
-    }
-    arena_free(&of_fill);
+    LitMesh *mesh = lit_load_part(t->baker.parts, part, room, state, &t->error);
     if (!mesh) return false;
     pthread_mutex_lock(&t->lock);
     atomic_store(&t->mesh, mesh);

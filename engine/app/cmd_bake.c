@@ -11,6 +11,7 @@
 #include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
+#include "engine/lit/lit_part.h"
 #include "engine/scene/bake_parts.h"
 #include "engine/scene/kept_parts.h"
 #include "engine/scene/light.h"
@@ -329,7 +330,8 @@ static bool compute_parts(Bake *bake, Arena *arena, Error *error) {
     PartsKeep keep = {.folder = bake->out ? kept_folder(bake->out, arena) : NULL,
                       .seconds = a->checkpoint > 0 ? a->checkpoint : DEFAULT_CHECKPOINT,
                       .resume = a->resume,
-                      .apart = goes_apart(bake) ? bake->out : NULL};
+                      .apart = goes_apart(bake) ? bake->out : NULL,
+                      .drawn = lit_store_part};
     vis_share_query(&bake->scene.graph, &bake->scene.forest, arena);
     bool good = bake_parts(&options, &bake->scene, part_cells(bake), keep.folder ? &keep : NULL, &progress,
                            arena, &bake->doors, &bake->mesh, &bake->solution, &bake->parts, error);

@@ -15,6 +15,7 @@
 #include "engine/core/random.h"
 #include "engine/core/text.h"
 #include "engine/draw/view.h"
+#include "engine/lit/lit_part.h"
 #include "engine/scene/bake_mesh.h"
 #include "engine/scene/bake_parts.h"
 #include "engine/scene/kept_parts.h"
@@ -248,7 +249,7 @@ static bool run_parts(Scale *s, double base) {
     if (!open_scene(s, &arena, &scene, &options)) return false;
     if (!mkdtemp(folder)) return error_set(&s->error, "%s: cannot be made", folder);
     const char *light = arena_format(&arena, "%s/light.rad", folder), *kept = kept_folder(light, &arena);
-    PartsKeep keep = {.folder = kept, .seconds = INFINITY, .apart = light};
+    PartsKeep keep = {.folder = kept, .seconds = INFINITY, .apart = light, .drawn = lit_store_part};
     begin_stage(&start);
     bool good =
         bake_parts(&options, &scene, CELLS_A_PART, &keep, NULL, &arena, NULL, NULL, NULL, &report, &s->error);

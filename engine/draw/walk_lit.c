@@ -33,7 +33,14 @@ struct WalkLit {
 // ---- upload
 
 // Locations of the vertex attributes in the shaders.
-enum { PLACE_POSITION = 0, PLACE_NORMAL = 1, PLACE_KIND = 4, PLACE_SHINES = 5, PLACE_BEFORE = 8, PLACE_LIGHT = 9 };
+enum {
+    PLACE_POSITION = 0,
+    PLACE_NORMAL = 1,
+    PLACE_KIND = 4,
+    PLACE_SHINES = 5,
+    PLACE_BEFORE = 8,
+    PLACE_LIGHT = 9
+};
 
 static void describe_vertices(const WalkLit *lit) {
     GLsizei stride = sizeof(LitVertex);

@@ -190,7 +190,8 @@ const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
 void walk_renderer_plain(WalkRenderer *w, bool plain) { w->plain = plain; }
 
 void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
-    w->tone = (LitTone){exposure, w->light ? exposure_outdoors(exposure, &w->light->day) : exposure, quantity};
+    w->tone =
+        (LitTone){exposure, w->light ? exposure_outdoors(exposure, &w->light->day) : exposure, quantity};
 }
 
 void walk_renderer_free(WalkRenderer *w) {

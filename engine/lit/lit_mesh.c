@@ -301,20 +301,3 @@ void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float
 
     arena_free(&scratch);
 }
-
-LitMesh *lit_load_part(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error) {
-    Arena of_fill = {0};
-    LitMesh *lit = NULL;
-    WalkLight light;
-    if (light_load_part(parts, part, &of_fill, &light, error)) {
-        lit = lit_mesh_new(light.mesh, arena, &of_fill);
-        *out = lit_light_new(lit, arena);
-        lit_light_fill(lit, light.solution, light.door_open, out);
-        out->level = light_parts_level(parts);
-        lit->mesh = NULL;
-        lit->nodes = (Nodes){0};
-        lit->node = NULL;
-    }
-    arena_free(&of_fill);
-    return lit;
-}

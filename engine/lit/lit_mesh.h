@@ -36,7 +36,7 @@ typedef struct LitMesh {
     int *lamp;  // [lamp_count] faces of lamps, lit or not
     int lamp_count;
     float (*spot)[4];  // [element_count] for the exposure: the element's middle; its area, m^2
-    // Light is filled from these; NULL: no more is (lit_load_part).
+    // Light is filled from these; NULL: no more is (lit_part.h).
     const Mesh *mesh;
     Nodes nodes;  // of the mesh
     int *node;    // [vertex_count]
@@ -79,9 +79,5 @@ bool *lit_twins(const Mesh *mesh, Arena *arena);
 LitLight lit_light_new(const LitMesh *lit, Arena *arena);
 // `doors` [opening_count]; NULL: as they stand in lit->mesh.
 void lit_light_fill(const LitMesh *lit, const RadSolution *solution, const float *doors, LitLight *out);
-
-// The light of a part (light_load_part) and its mesh, in the arena, as drawing needs them: nothing else of the part is kept, and no other
-// light can be filled. NULL and an error where it cannot be read.
-LitMesh *lit_load_part(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error);
 
 #endif

@@ -285,6 +285,17 @@ static double count_light(PartsBake *b, TeamMember *member, const Mesh *mesh, co
     return light_level(&level);
 }
 
+// As it is drawn, which takes about so many bytes for each element. Where there is no room for this, a walk makes it.
+enum { DRAWN_BYTES = 1000 };
+static bool store_drawn(const PartsBake *b, const char *rad, const Mesh *mesh, const float *doors,
+                        const RadSolution *light, Arena *arena, Error *error) {
+    WalkLight shown;
+    size_t elements = (size_t)fmax(mesh->element_count, light->node_count);
+    if (!b->keep->drawn || !memory_fits(DRAWN_BYTES * elements)) return true;
+    return light_shown(mesh, light, doors, &b->scene->lamps, arena, &shown, error) &&
+           b->keep->drawn(b->scene, rad, &shown, error);
+}
+
 // Each part gets the light of all that it sees, and stores it. What the light was found on goes before: `found`.
 static bool store_apart(PartsBake *b, Keeper *keeper, Borders *borders, const Mesh *mesh,
                         const RadSolution *solution, Arena *found) {
@@ -317,9 +328,9 @@ static bool store_apart(PartsBake *b, Keeper *keeper, Borders *borders, const Me
         Mesh lit = scene_lit_mesh(scene, &unlit, &arena);
         light.lit = scene->lit;
         light.lamp_count = scene->lamps.count;
-        good = file_make_folder(b->keep->folder, &error) &&
-               rad_save(kept_file(b->keep->folder, keeper->set, own, parts, &arena), &lit, doors, &light,
-                        &error);
+        const char *path = kept_file(b->keep->folder, keeper->set, own, parts, &arena);
+        good = file_make_folder(b->keep->folder, &error) && rad_save(path, &lit, doors, &light, &error) &&
+               store_drawn(b, path, &lit, doors, &light, &arena, &error);
     }
     // Before they meet again: that of all parts together would be the most that ever waits.
     arena_free(&arena);

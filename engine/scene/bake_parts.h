@@ -4,6 +4,7 @@
 #define SCENE_BAKE_PARTS_H
 
 #include "engine/scene/bake_mesh.h"
+#include "engine/scene/walk_light.h"
 
 // Parts have an eighth of the cells, but no fewer than the least and no more than the most.
 enum { PARTS_FITTING = 8, PARTS_LEAST_CELLS = 16, PARTS_MOST_CELLS = 1024 };
@@ -18,6 +19,8 @@ typedef struct PartsKeep {
     bool resume;     // goes on from what was kept there
     // The light of each part stays there in the end, named by this .rad file (light_parts.h), and is not joined. NULL: it is joined.
     const char *apart;
+    // Is given the light of each such part as it is shown, and its .rad file, to store what drawing needs beside it; NULL: nothing is.
+    bool (*drawn)(const LoadedScene *scene, const char *rad, const WalkLight *light, Error *error);
 } PartsKeep;
 
 // The work of a bake in parts.

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-// SET-PART-of-PARTS.rad; a file that a killed program left behind has more after it.
+// SET-PART-of-PARTS.rad; a file that belongs to it, or that a killed program left behind, has more after it.
 #define NAME "%06d-%d-of-%d.rad"
 
 typedef struct KeptFile {

@@ -1,7 +1,7 @@
 // kept_parts.h - the light that a bake in parts has found so far, in a folder, so that a bake that was ended goes on from there.
 //
 // A set has a .rad file of each part, all of one moment, and a number that grows. It is whole where all of its files are there, since each
-// file is written whole or not at all.
+// file is written whole or not at all. A file that goes with that of a part has its name and more after it.
 #ifndef SCENE_KEPT_PARTS_H
 #define SCENE_KEPT_PARTS_H
 

@@ -29,9 +29,8 @@ static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, co
     return (WalkLight){&fine->mesh, shown, doors, fine, NULL, NULL};
 }
 
-// The same on the mesh that shows the light.
-static bool show_finer(const Mesh *mesh, const RadSolution *solution, const float *doors, const Lamps *lamps,
-                       Arena *arena, WalkLight *out, Error *error) {
+bool light_shown(const Mesh *mesh, const RadSolution *solution, const float *doors, const Lamps *lamps,
+                 Arena *arena, WalkLight *out, Error *error) {
     const Mesh *shown;
     const RadSolution *light;
     if (!shown_light(mesh, solution, doors, arena, &shown, &light, error)) return false;
@@ -233,7 +232,7 @@ static bool load_light(const char *path, const LoadedScene *scene, const MeshPar
         if (good) *mesh = scene_lit_mesh(scene, mesh, arena);
     }
     if (!good) return false;
-    if (show_finer(mesh, solution, doors, &scene->lamps, arena, out, error)) return true;
+    if (light_shown(mesh, solution, doors, &scene->lamps, arena, out, error)) return true;
     Error reason = *error;
     return error_set(error, "%s: %.900s", path, reason.text);
 }
@@ -268,8 +267,8 @@ bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts
                          p->stored.parts, p->stored.cells, p->parts.count);
     Arena scratch = {0};
     float *doors = ARENA_ARRAY(&scratch, float, scene->building.opening_count + 1);
-    bool good = rad_load_options(kept_file(p->folder, p->stored.set, 0, p->stored.parts, arena),
-                                 &scene->building, &scratch, &options, doors, error);
+    bool good =
+        rad_load_options(light_parts_file(p, 0, arena), &scene->building, &scratch, &options, doors, error);
     if (good) p->proxies = proxies_find(&scene->graph, options.proxy, arena);
     arena_free(&scratch);
     if (good) *out = p;
@@ -279,10 +278,14 @@ bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts
 const LoadedScene *light_parts_scene(const LightOfParts *p) { return p->scene; }
 double light_parts_level(const LightOfParts *p) { return p->stored.level; }
 
+const char *light_parts_file(const LightOfParts *p, int part, Arena *arena) {
+    return kept_file(p->folder, p->stored.set, part, p->stored.parts, arena);
+}
+
 int light_part_of(const LightOfParts *p, int cell) { return cell < 0 ? -1 : p->parts.cell_owner[cell]; }
 
 bool light_load_part(const LightOfParts *p, int part, Arena *arena, WalkLight *out, Error *error) {
-    const char *path = kept_file(p->folder, p->stored.set, part, p->stored.parts, arena);
+    const char *path = light_parts_file(p, part, arena);
     Arena scratch = {0};
     MeshOptions options;
     float *doors = ARENA_ARRAY(&scratch, float, p->scene->building.opening_count + 1);
@@ -387,7 +390,7 @@ static bool bake_all(Baking *b, WalkLight *out, Error *error) {
     if (hooks->show) show_solution(&shower, b->solution);
     if (!direct_show_apart(b->mesh, forest, b->doors, hooks->threads, &hooks->progress, b->arena, b->solution,
                            b->sources, NULL, NULL) ||
-        !show_finer(b->drawn, b->solution, b->drawn_doors, &b->bake->scene->lamps, b->arena, out, error))
+        !light_shown(b->drawn, b->solution, b->drawn_doors, &b->bake->scene->lamps, b->arena, out, error))
         return error_set(error, "stopped");
     return true;
 }
@@ -400,7 +403,7 @@ static void bake_each(Baking *b, WalkLight *out, Error *error) {
     if (!b->solution->gathered || !b->solution->node ||
         !each_lamp_find(&each, &b->hooks->progress, b->arena, b->solution))
         return;
-    if (show_finer(b->drawn, b->solution, b->drawn_doors, &scene->lamps, b->arena, &light, error))
+    if (light_shown(b->drawn, b->solution, b->drawn_doors, &scene->lamps, b->arena, &light, error))
         *out = light;
     store(b, error);
 }

@@ -24,8 +24,13 @@ bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts
 int light_part_of(const LightOfParts *parts, int cell);
 const LoadedScene *light_parts_scene(const LightOfParts *parts);
 double light_parts_level(const LightOfParts *parts);  // of the whole (light_level.h)
+const char *light_parts_file(const LightOfParts *parts, int part, Arena *arena);  // the .rad file
 // Reads the light of a part, with a mesh of what is seen from there alone. Fails as light_load does.
 bool light_load_part(const LightOfParts *parts, int part, Arena *arena, WalkLight *out, Error *error);
+
+// Light on the mesh that it was found on, as it is shown: finer where it bends, on the model that stand-ins replaced.
+bool light_shown(const Mesh *mesh, const RadSolution *solution, const float *doors, const Lamps *lamps,
+                 Arena *arena, WalkLight *out, Error *error);
 
 // Refuses a solution from a file that was made under another day.
 bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error);

@@ -6,6 +6,7 @@
 
 #include "engine/core/memory.h"
 #include "engine/gl/gl_context.h"
+#include "engine/lit/lit_part.h"
 #include "engine/lit/lit_states.h"
 
 // A door that moves has moved by this share of its way before its light is found again.

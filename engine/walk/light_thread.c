@@ -10,6 +10,7 @@
 
 #include "engine/core/memory.h"
 #include "engine/core/parallel.h"
+#include "engine/lit/lit_part.h"
 #include "engine/lit/lit_states.h"
 #include "radiosity/shoot/ambient.h"
 

@@ -496,6 +496,19 @@ bool rad_load_day(const char *path, const Building *building, Daylight *out, Err
     return good;
 }
 
+bool rad_checksum(const char *path, const Building *building, uint64_t *out, Error *error) {
+    Arena scratch = {0};
+    Bytes start;
+    size_t whole;
+    Header h;
+    bool good = derived_read_header(path, &KIND, building->hash, &scratch, &start, &whole, error);
+    if (good) memcpy(&h, start.data, sizeof h);
+    good = good && check_rest(path, &h, building, error);
+    if (good) *out = h.head.body;
+    arena_free(&scratch);
+    return good;
+}
+
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
                       float *door_open, Error *error) {
     Arena scratch = {0};

@@ -166,6 +166,8 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
 // Reads the options of the file's mesh, from which the mesh can be made, and the states of the doors, `door_open` [opening_count].
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
                       float *door_open, Error *error);
+// The checksum of a file's light, as its header says: what was made from the file and stored tells by it whether it is of the same light.
+bool rad_checksum(const char *path, const Building *building, uint64_t *out, Error *error);
 // The day under which a file's light was made; all zeros: by night. Only the file's header is read: rad_load may find damage in the rest.
 bool rad_load_day(const char *path, const Building *building, Daylight *out, Error *error);
 

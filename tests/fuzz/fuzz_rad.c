@@ -59,6 +59,8 @@ static void make(Made *m) {
     tell_lamp(&solution, &t->arena);
     if (!rad_save(t->saved, &m->mesh, m->doors, &solution, NULL)) abort();
     store_target_keep(t);
+    store_target_put_valid(t);
+    if (!rad_load(t->path, &m->mesh, m->doors, &t->arena, &solution, NULL)) abort();
 }
 
 // A forged file tells any number of steps, but each is finite, and none is below 0.
@@ -121,7 +123,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     MeshOptions options;
     float doors[4];
     Error error = {""};
-    if (rad_load(STORE_TARGET_PATH, &made.mesh, made.doors, arena, &solution, &error)) {
+    if (rad_load(t->path, &made.mesh, made.doors, arena, &solution, &error)) {
         switch_lamps(&solution);
         use(&made, &solution);
         target_count(TARGET_PASSED);
@@ -129,7 +131,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
         abort();
     }
     error.text[0] = 0;
-    if (rad_load_options(STORE_TARGET_PATH, &t->building, arena, &options, doors, &error))
+    if (rad_load_options(t->path, &t->building, arena, &options, doors, &error))
         make_again(&made, &options, doors, arena);
     else if (error.text[0] == 0)
         abort();

@@ -19,6 +19,9 @@ static void make(StoreTarget *t) {
     store_target_start(t);
     if (!vis_save(t->saved, &t->graph, &t->forest, NULL)) abort();
     store_target_keep(t);
+    store_target_put_valid(t);
+    StabForest forest;
+    if (!vis_load(t->path, &t->graph, &t->arena, &forest, NULL)) abort();
 }
 
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
@@ -28,7 +31,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     store_target_put(&target, data, size, arena);
     StabForest forest;
     Error error = {""};
-    if (vis_load(STORE_TARGET_PATH, &target.graph, arena, &forest, &error)) {
+    if (vis_load(target.path, &target.graph, arena, &forest, &error)) {
         walk(&target.graph, &forest, arena);
         target_count(TARGET_PASSED);
     } else if (error.text[0] == 0) {

@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 extern const MapsReader MAPS_READER_PLAN;
@@ -22,6 +23,9 @@ void store_target_start(StoreTarget *t) {
         !vis_build_forest(&t->graph, &options, NULL, &t->arena, &t->forest))
         abort();
     close(saved);
+    t->served = memfd_create("stored", 0);
+    if (t->served < 0) abort();
+    snprintf(t->path, sizeof t->path, "/proc/self/fd/%d", t->served);
 }
 
 // The first byte of an input tells how the others are taken.
@@ -52,7 +56,13 @@ void store_target_keep(StoreTarget *t) {
     if (memcmp(file_of(t, &NO_CHANGES, 1, &t->arena).data, t->valid.data, t->valid.size) != 0) abort();
 }
 
+static void serve(const StoreTarget *t, Bytes file) {
+    if (ftruncate(t->served, 0) != 0 || pwrite(t->served, file.data, file.size, 0) != (ssize_t)file.size)
+        abort();
+}
+
+void store_target_put_valid(StoreTarget *t) { serve(t, t->valid); }
+
 void store_target_put(StoreTarget *t, const unsigned char *data, size_t size, Arena *arena) {
-    t->served = (TargetFile){STORE_TARGET_PATH, file_of(t, data, size, arena)};
-    target_serve(&t->served, 1);
+    serve(t, file_of(t, data, size, arena));
 }

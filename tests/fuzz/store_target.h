@@ -16,17 +16,18 @@ typedef struct StoreTarget {
     StabForest forest;
     char saved[64];  // where store_target_keep expects a valid file
     Bytes valid;
-    TargetFile served;
+    int served;     // a file without a name
+    char path[64];  // where readers find it
 } StoreTarget;
 
 // Makes all but the valid file, which the caller saves before store_target_keep.
 void store_target_start(StoreTarget *target);
 void store_target_keep(StoreTarget *target);
 
-// The file that the fuzzer's bytes stand for is found here.
-#define STORE_TARGET_PATH "/fuzz/stored"
-// Makes it. The first byte says what the others are: the file itself, the file behind a head whose hashes
-// are right, or changes to the valid file; of the last two the checksums are put right. So neither hashes nor checksums
+// Serves the valid file as it is, of which a reader must make something: else all that is tried would end at its beginning.
+void store_target_put_valid(StoreTarget *target);
+// Serves the file that the fuzzer's bytes stand for. The first byte says what the others are: the file itself, the file behind a head
+// whose hashes are right, or changes to the valid file; of the last two the checksums are put right. So neither hashes nor checksums
 // keep the fuzzer from what lies behind them.
 void store_target_put(StoreTarget *target, const unsigned char *data, size_t size, Arena *arena);
 

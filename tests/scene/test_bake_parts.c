@@ -203,7 +203,7 @@ static void check_going_on(const char *path, bool day, double element, int cells
     Parted *whole = load(path, day, element, 1e-3), *parted = load(path, day, element, 1e-3);
     Error error = {""};
     const char *folder = arena_format(&whole->arena, "%s/kept", support_folder(&whole->arena));
-    PartsKeep keep = {folder, 0, false, NULL};
+    PartsKeep keep = {folder, 0, false, NULL, NULL};
     Stop stop = {-1, 0};
     Progress progress = {count_down, &stop};
     bake(whole, cells, 0);
@@ -246,7 +246,7 @@ Test(parts, refuses_what_does_not_fit) {
            *day = load("build/maps/two-rooms.plan", true, 0.5, 1e-2);
     Error error = {""};
     const char *folder = arena_format(&p->arena, "%s/kept", support_folder(&p->arena));
-    PartsKeep keep = {folder, 0, false, NULL}, resume = {folder, 1e9, true, NULL};
+    PartsKeep keep = {folder, 0, false, NULL, NULL}, resume = {folder, 1e9, true, NULL, NULL};
     int set, other;
     cr_expect_not(try_bake(p, 2, &resume, NULL, &error));
     cr_expect(strstr(error.text, "holds no light of all"), "%s", error.text);
@@ -334,7 +334,7 @@ Test(parts, light_that_stays_apart_is_the_same) {
            *p = load("build/maps/house.plan", true, 0.6, 1e-3);
     Error error = {""};
     const char *folder = support_folder(&p->arena), *path = arena_format(&p->arena, "%s/house.rad", folder);
-    PartsKeep keep = {kept_folder(path, &p->arena), 1e9, false, path};
+    PartsKeep keep = {kept_folder(path, &p->arena), 1e9, false, path, NULL};
     bake(joined, 30, 0);
     const Mesh *shown;
     const RadSolution *light;
@@ -384,7 +384,7 @@ Test(parts, light_that_stays_apart_is_whole_or_as_before) {
     Parted *p = load("build/maps/two-rooms.plan", false, 0.5, 1e-2);
     Error error = {""};
     const char *folder = support_folder(&p->arena), *path = arena_format(&p->arena, "%s/two.rad", folder);
-    PartsKeep keep = {kept_folder(path, &p->arena), 1e9, false, path};
+    PartsKeep keep = {kept_folder(path, &p->arena), 1e9, false, path, NULL};
     LightParts first, second;
     Bytes before[2], after[2];
     p->options.rad.threads = 1;

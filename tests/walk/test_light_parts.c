@@ -4,6 +4,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/draw/image.h"
+#include "engine/lit/lit_part.h"
 #include "engine/scene/bake_parts.h"
 #include "engine/scene/kept_parts.h"
 #include "engine/scene/light_parts.h"
@@ -20,8 +21,13 @@ typedef struct Apart {
     PartsReport report;
 } Apart;
 
+// The last warning.
+static char warned[1024];
+static void warn(const char *sentence) { snprintf(warned, sizeof warned, "%s", sentence); }
+
 static SceneOptions options_of(const char *light) {
     SceneOptions o = scene_default_options();
+    o.warn = warn;
     o.day.night = true;
     o.lamps = SCENE_LAMPS_ALL;
     o.find_light = light != NULL;
@@ -33,7 +39,7 @@ static void bake(LoadedScene *scene, const char *apart, const char *joined, Aren
                  PartsReport *report) {
     Error error = {""};
     BakeOptions o = bake_default_options();
-    PartsKeep keep = {apart ? kept_folder(apart, arena) : NULL, 1e9, false, apart};
+    PartsKeep keep = {apart ? kept_folder(apart, arena) : NULL, 1e9, false, apart, lit_store_part};
     Mesh mesh;
     RadSolution light;
     float *doors;
@@ -118,6 +124,86 @@ Test(light_parts, pictures_are_those_of_the_whole, .timeout = 240) {
            100.0 * (double)off / (double)pixels, mean / (double)pixels);
     cr_expect_leq((double)off, 0.002 * (double)pixels);
     cr_expect_leq(mean / (double)pixels, 1);
+    end(a);
+}
+
+static const LitMesh *load_part(const Apart *a, int part, Arena *arena, LitLight *out) {
+    Error error = {""};
+    warned[0] = 0;
+    const LitMesh *lit = lit_load_part(a->parted.baker.parts, part, arena, out, &error);
+    cr_assert(lit, "%s", error.text);
+    return lit;
+}
+
+static bool same_faces(const LitMesh *a, const LitMesh *b) {
+    if (a->face_count != b->face_count) return false;
+    for (int f = 0; f <= a->face_count; f++) {
+        const LitFace *x = &a->faces[f], *y = &b->faces[f];
+        if (memcmp(&x->plane, &y->plane, sizeof x->plane) != 0 || x->polygon != y->polygon ||
+            x->material != y->material || x->first_vertex != y->first_vertex ||
+            x->first_index != y->first_index || x->first_element != y->first_element ||
+            x->element_count != y->element_count || x->lamp != y->lamp || x->outdoors != y->outdoors)
+            return false;
+    }
+    return memcmp(a->first_face, b->first_face,
+                  ((size_t)a->graph->polygon_count + 1) * sizeof *a->first_face) == 0;
+}
+
+#define SAME(a, b, count) (memcmp(a, b, (size_t)(count) * sizeof *(a)) == 0)
+static bool same_drawn(const LitMesh *a, const LitLight *x, const LitMesh *b, const LitLight *y) {
+    return same_faces(a, b) && a->element_count == b->element_count && a->lamp_count == b->lamp_count &&
+           SAME(a->lamp, b->lamp, a->lamp_count) && SAME(a->vertex, b->vertex, lit_vertex_count(a)) &&
+           SAME(a->index, b->index, a->faces[a->face_count].first_index) &&
+           SAME(a->spot, b->spot, a->element_count) && SAME(&a->origin, &b->origin, 1) &&
+           SAME(x->vertex, y->vertex, lit_vertex_count(a)) && SAME(x->on, y->on, a->lamp_count) &&
+           SAME(x->luminous, y->luminous, a->element_count) && SAME(&x->day, &y->day, 1) &&
+           x->level == y->level && SAME(x->ranges, y->ranges, FALSE_COLOURS) &&
+           SAME(x->doors, y->doors, a->graph->building->opening_count);
+}
+
+static void copy_file(const char *from, const char *to, int flip, Arena *arena) {
+    Error error = {""};
+    Bytes file;
+    cr_assert(file_read(from, (size_t)1 << 30, arena, &file, &error), "%s", error.text);
+    if (flip >= 0) file.data[flip] ^= 1;
+    cr_assert(file_write(to, file.data, file.size, &error), "%s", error.text);
+}
+
+// Proves that what a part's file holds as it is drawn is, to the last bit, what is made from its light; and that such a file which is
+// missing, damaged, of other light or of other lamps is passed over, with a sentence if it is there.
+Test(light_parts, are_stored_as_they_are_drawn, .timeout = 240) {
+    Apart *a = load();
+    Arena arena = {0};
+    LitLight read, made, again;
+    LoadedScene *scene = (LoadedScene *)a->parted.scene;
+    const char *rad = light_parts_file(a->parted.baker.parts, 0, &arena),
+               *drawn = arena_format(&arena, "%s.lit", rad), *beside = arena_format(&arena, "%s.kept", drawn);
+    const LitMesh *of_file = load_part(a, 0, &arena, &read);
+    cr_assert_eq(rename(drawn, beside), 0);
+    const LitMesh *of_light = load_part(a, 0, &arena, &made);
+    cr_expect_str_empty(warned);
+    cr_expect(same_drawn(of_file, &read, of_light, &made));
+    static const struct {
+        int flip;
+        const char *why;
+    } DAMAGE[] = {{-1, ""}, {60, "header's checksum"}, {1000, "its checksum is wrong"}};
+    for (size_t i = 0; i < sizeof DAMAGE / sizeof *DAMAGE; i++) {
+        copy_file(beside, drawn, DAMAGE[i].flip, &arena);
+        cr_expect(same_drawn(load_part(a, 0, &arena, &again), &again, of_light, &made));
+        cr_expect(strstr(warned, DAMAGE[i].why) && !warned[0] == !DAMAGE[i].why[0], "%s", warned);
+    }
+    Error error = {""};
+    uint64_t of_rad;
+    cr_assert(rad_checksum(rad, &scene->building, &of_rad, &error), "%s", error.text);
+    copy_file(beside, drawn, -1, &arena);
+    cr_expect(lit_read_part(scene, drawn, of_rad, &arena, &again, &error), "%s", error.text);
+    cr_expect_null(lit_read_part(scene, drawn, of_rad + 1, &arena, &again, &error));
+    cr_expect(strstr(error.text, "is not of this light"), "%s", error.text);
+    scene->lit[0].g = 0.5f;
+    cr_expect_null(lit_load_part(a->parted.baker.parts, 0, &arena, &again, &error));
+    cr_expect(strstr(warned, "with other lamps on"), "%s", warned);
+    cr_expect(strstr(error.text, "was made with lamp 1"), "%s", error.text);
+    arena_free(&arena);
     end(a);
 }
 

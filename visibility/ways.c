@@ -83,6 +83,27 @@ static double work_scale(const Building *building) {
     return times * times * (building->map ? OF_MAPS : building->form == FORM_CELLS ? OF_CELLS : 1);
 }
 
+// Where cells are, and the ways out of each; all but `ways` and the numbers.
+static void sort_ways(WayGraph *graph, Arena *arena) {
+    int cells = graph->cell_count;
+    graph->first = ARENA_ARRAY(arena, int, cells + 1);
+    graph->list = ARENA_ARRAY(arena, int, graph->way_count);
+    graph->boxes = ARENA_ARRAY(arena, Box, cells);
+    int *fill = ARENA_ARRAY(arena, int, cells);
+    for (int c = 0; c < cells; c++) graph->boxes[c] = box_empty();
+    for (int i = 0; i < graph->way_count; i++) {
+        const WayShape *way = &graph->ways[i];
+        graph->first[way->from + 1]++;
+        for (int k = 0; k < way->corner_count; k++)
+            graph->boxes[way->from] = box_add(graph->boxes[way->from], way->corners[k]);
+    }
+    for (int c = 0; c < cells; c++) graph->first[c + 1] += graph->first[c];
+    for (int i = 0; i < graph->way_count; i++) {
+        int cell = graph->ways[i].from;
+        graph->list[graph->first[cell] + fill[cell]++] = i;
+    }
+}
+
 static void set_rows(WayGraph *graph, Arena *arena) {
     WayRows *rows = &graph->rows;
     double **all[] = {&rows->x,  &rows->y,  &rows->z, &rows->radius, &rows->nx,
@@ -112,24 +133,28 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
                       .way_count = ways,
                       .words = (cells + 63) / 64,
                       .scale = work_scale(graph->building),
-                      .ways = ARENA_ARRAY(arena, WayShape, ways),
-                      .first = ARENA_ARRAY(arena, int, cells + 1),
-                      .list = ARENA_ARRAY(arena, int, ways),
-                      .boxes = ARENA_ARRAY(arena, Box, cells)};
-    for (int c = 0; c < cells; c++) out->boxes[c] = box_empty();
-    for (int i = 0; i < ways; i++) {
+                      .ways = ARENA_ARRAY(arena, WayShape, ways)};
+    for (int i = 0; i < ways; i++) set_way(graph, origin, size, i, arena, &out->ways[i]);
+    sort_ways(out, arena);
+    set_rows(out, arena);
+}
+
+void ways_take(const WayGraph *whole, const int *portal, int portal_count, const int *place, int cell_count,
+               Arena *arena, WayGraph *out) {
+    *out = (WayGraph){.origin = whole->origin,
+                      .epsilon = whole->epsilon,
+                      .cell_count = cell_count,
+                      .way_count = 2 * portal_count,
+                      .words = (cell_count + 63) / 64,
+                      .scale = whole->scale,
+                      .ways = ARENA_ARRAY(arena, WayShape, 2 * portal_count)};
+    for (int i = 0; i < out->way_count; i++) {
         WayShape *way = &out->ways[i];
-        set_way(graph, origin, size, i, arena, way);
-        out->first[way->from + 1]++;
-        for (int k = 0; k < way->corner_count; k++)
-            out->boxes[way->from] = box_add(out->boxes[way->from], way->corners[k]);
+        *way = whole->ways[2 * portal[i / 2] + i % 2];
+        way->from = place[way->from];
+        way->to = place[way->to];
     }
-    for (int c = 0; c < cells; c++) out->first[c + 1] += out->first[c];
-    int *fill = ARENA_ARRAY(arena, int, cells);
-    for (int i = 0; i < ways; i++) {
-        int cell = out->ways[i].from;
-        out->list[out->first[cell] + fill[cell]++] = i;
-    }
+    sort_ways(out, arena);
     set_rows(out, arena);
 }
 

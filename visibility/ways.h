@@ -53,6 +53,9 @@ static inline long long ways_work(const WayGraph *ways, double small) {
 }
 
 void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out);
+// Those of some portals, [portal_count], whose cells have other numbers: `place` [whole->cell_count]. Corners are shared with `whole`.
+void ways_take(const WayGraph *whole, const int *portal, int portal_count, const int *place, int cell_count,
+               Arena *arena, WayGraph *out);
 
 // Marks in `row` [words] the cells that a flood through the way reaches in which each further portal must lie at least
 // partly beyond the first one, and the first one before it; where that takes too long, all. `stack` [cell_count] is scratch. Returns the

@@ -34,6 +34,27 @@ bool window_pays(const CellRows *near) {
     return cells > WINDOW_LEAST && (double)cell_rows_count(near) * WINDOW_SHARE < cells * cells;
 }
 
+// Groups grow through portals, each from the first cell of the curve that is left: who sees much of the same is together, and not who
+// lives behind the same wall.
+static void grow_groups(const CellGraph *graph, int size, const Stop *stops, Arena *arena, int *out) {
+    bool *taken = ARENA_ARRAY(arena, bool, graph->cell_count);
+    for (int done = 0, next = 0, seed = 0, first = 0; done < graph->cell_count;) {
+        if (next == done) {
+            while (taken[stops[seed].cell]) seed++;
+            taken[stops[seed].cell] = true;
+            out[done++] = stops[seed].cell;
+        }
+        const Cell *cell = &graph->cells[out[next++]];
+        for (int w = cell->first_way; w < cell->first_way + cell->way_count && done - first < size; w++) {
+            int beyond = graph->ways[w].cell;
+            if (taken[beyond]) continue;
+            taken[beyond] = true;
+            out[done++] = beyond;
+        }
+        if (done - first == size) first = next = done;
+    }
+}
+
 CellGroups cell_groups(const CellGraph *graph, int size, Arena *arena) {
     int cells = graph->cell_count;
     CellGroups groups = {.cell = ARENA_ARRAY(arena, int, cells),
@@ -47,6 +68,7 @@ CellGroups cell_groups(const CellGraph *graph, int size, Arena *arena) {
     }
     qsort(stops, (size_t)cells, sizeof *stops, by_curve);
     for (int c = 0; c < cells; c++) groups.cell[c] = stops[c].cell;
+    if (groups.count > 1) grow_groups(graph, size, stops, arena, groups.cell);
     groups.first = ARENA_ARRAY(arena, int, groups.count + 1);
     for (int g = 0; g <= groups.count; g++) groups.first[g] = g < groups.count ? g * size : cells;
     return groups;

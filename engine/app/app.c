@@ -77,7 +77,8 @@ Progress app_progress(void) {
 
 // A signal or a deadline asks a stage to stop. The signal comes from outside: one flag a process, which any thread may set or read.
 static atomic_bool interrupted;
-static double deadline;  // on the clock; 0: none
+static double deadline;   // on the clock; 0: none
+static bool on_terminal;  // is progress seen? Asked once: searches report every few microseconds
 
 static void interrupt(int signal) {
     (void)signal;
@@ -85,7 +86,7 @@ static void interrupt(int signal) {
 }
 
 static bool report_stoppable(void *context, const char *stage, double done) {
-    if (isatty(STDERR_FILENO)) report(context, stage, done);
+    if (on_terminal) report(context, stage, done);
     return !atomic_load(&interrupted) && (deadline == 0 || clock_seconds() < deadline);
 }
 
@@ -93,6 +94,7 @@ Progress app_progress_stoppable(double seconds) {
     struct sigaction action = {.sa_handler = interrupt, .sa_flags = SA_RESETHAND | SA_RESTART};
     sigaction(SIGINT, &action, NULL);
     deadline = seconds > 0 ? clock_seconds() + seconds : 0;
+    on_terminal = isatty(STDERR_FILENO);
     return (Progress){report_stoppable, NULL};
 }
 

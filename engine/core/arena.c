@@ -51,10 +51,11 @@ static ArenaBlock *new_arena_block(size_t size, bool dense) {
     return block;
 }
 
+static size_t most_growth(void) { return memory_in_file() ? LARGEST_IN_FILE : LARGEST_GROWTH; }
+
 static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
-    size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK,
-           most = memory_in_file() ? LARGEST_IN_FILE : LARGEST_GROWTH;
-    if (size > most) size = most;
+    size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
+    if (size > most_growth()) size = most_growth();
     // Close to the memory limit, no block is much larger than needed.
     while (size / 2 > least && !memory_fits(size)) size /= 2;
     ArenaBlock *block = new_arena_block(size < least ? least : size, arena->dense);
@@ -228,6 +229,12 @@ void arena_reset(Arena *arena) {
         } else {
             memory_free(block->whole);
         }
+    }
+    // Where several were in use, one block with room for all is next.
+    size_t all = arena->used + arena->used / 4;
+    if (largest && arena->used > largest->size && all <= most_growth()) {
+        memory_free(largest->whole);
+        largest = new_arena_block(all, arena->dense);
     }
     if (largest) {
         largest->next = NULL;

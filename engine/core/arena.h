@@ -28,7 +28,8 @@ char *arena_format_list(Arena *arena, const char *format, va_list args) __attrib
 // Moves all that was allocated from `from` into `to`; `from` is then empty.
 void arena_join(Arena *to, Arena *from);
 void arena_free(Arena *arena);   // frees everything; the arena may be used again
-void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
+// As arena_free, but keeps the largest block for the next use, or one with room for all that was in use.
+void arena_reset(Arena *arena);
 
 #define ARENA_ARRAY(arena, type, count) ((type *)arena_alloc((arena), (size_t)(count), sizeof(type)))
 

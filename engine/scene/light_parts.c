@@ -19,7 +19,7 @@ typedef struct Header {
 } Header;
 
 static const DerivedKind KIND = {
-    .magic = "ENFPARTS", .name = ".rad", .version = 1, .header = sizeof(Header), .largest = sizeof(Header)};
+    .magic = "ENFPARTS", .name = ".rad", .version = 2, .header = sizeof(Header), .largest = sizeof(Header)};
 
 static uint64_t rest_hash(const Header *h) {
     return file_hash(&h->cells, sizeof *h - offsetof(Header, cells), KIND.version);

@@ -327,8 +327,8 @@ static void compare_part(const Parted *p, const LightOfParts *of, int part, cons
 
 // Proves that light which stays apart is the light that is joined, wherever it is seen: each part, read back, has every surface that its
 // cells may see, with the same light in the mean. Corners that only one of two meshes has, where a neighbour that is not seen from the
-// part is cut otherwise, are linear in one and found in the other: there the light is within 1 % of the mean, as far as what is linear
-// may be off by the limits of the mesh that shows it.
+// part is cut otherwise, are linear in one and found in the other. No part of an element may be off by more than 6 % of its light there
+// (bends.c), and a surface has few such corners: its mean is within a third of that.
 Test(parts, light_that_stays_apart_is_the_same) {
     Parted *joined = load("build/maps/house.plan", true, 0.6, 1e-3),
            *p = load("build/maps/house.plan", true, 0.6, 1e-3);
@@ -356,11 +356,11 @@ Test(parts, light_that_stays_apart_is_the_same) {
     int compared = 0, same = 0;
     for (int part = 0; part < p->report.parts; part++)
         compare_part(p, of, part, &whole, &nodes, mean, &compared, &same, &worst);
-    printf("%d surfaces compared, %d the same, at worst %.2g %% of the mean off\n", compared, same,
+    printf("%d surfaces compared, %d the same, at worst %.3g %% of the mean off\n", compared, same,
            100 * worst);
     cr_expect_gt(compared, 1000);
     cr_expect_geq(same, 0.95 * compared);
-    cr_expect_leq(worst, 0.01);
+    cr_expect_leq(worst, 0.02);
     // There is nothing to go on from; and what does not fit is told.
     PartsKeep resume = keep;
     resume.resume = true;

@@ -12,12 +12,11 @@
 // The cells that may be seen through each way.
 typedef struct Bounds {
     WayGraph ways;
-    Arena ways_arena;  // of `ways`, which the search in windows does without
-    int **cells;       // [way_count] lists
-    int *count;        // [way_count] -1: not found
-    Flow *flows;       // [threads], as are these
-    int **found;       // [cell_count] a list while it is made
-    Arena *own;        // of lists
+    int **cells;  // [way_count] lists
+    int *count;   // [way_count] -1: not found
+    Flow *flows;  // [threads], as are these
+    int **found;  // [cell_count] a list while it is made
+    Arena *own;   // of lists
     long long *spent;
     int threads, first;  // way of the run
 } Bounds;
@@ -101,6 +100,7 @@ typedef struct Search {
     const Bounds *bounds;
     CellRows seen, proven;
     Arena *rows;        // of both
+    Arena window;       // of a group while it is searched
     int *place, *list;  // [cell_count] of window_enter; -1, and scratch
     PairOptions options;
     const Progress *progress;
@@ -159,13 +159,16 @@ static void store_group(Search *s, const CellWindow *window, const PairSet *set)
 
 // Decides all pairs of a cell of the group; false when progress asked to stop.
 static bool search_group(Search *s, const int *group, int count, ChainWork *work) {
-    Arena scratch = {0};
     CellWindow window;
+    WayGraph ways;
     PairSet set;
     Rounds rounds;
     Progress progress = {report_group, s};
-    window_enter(s->graph, &s->seen, group, count, s->place, &scratch, &window);
-    rounds_open(&rounds, &window.graph, &s->options, &progress, &scratch, &set);
+    arena_reset(&s->window);
+    window_enter(s->graph, &s->seen, group, count, s->place, &s->window, &window);
+    ways_take(&s->bounds->ways, window.portal, window.graph.portal_count, s->place, window.graph.cell_count,
+              &s->window, &ways);
+    rounds_open(&rounds, &window.graph, &ways, &s->options, &progress, &s->window, &s->window, &set);
     rounds.own = window.own;
     rounds.ways.scale *= (double)count / s->graph->cell_count;
     load(s, &window, &rounds);
@@ -176,7 +179,6 @@ static bool search_group(Search *s, const int *group, int count, ChainWork *work
     store_group(s, &window, &set);
     chain_work_add(work, set.work);
     window_leave(&window, s->place);
-    arena_free(&scratch);
     return !set.stopped;
 }
 
@@ -208,11 +210,10 @@ static long long count_undecided(const Search *s) {
 }
 
 // False where windows do not pay.
-static bool search_groups(const CellGraph *graph, Bounds *bounds, const PairOptions *options,
+static bool search_groups(const CellGraph *graph, const Bounds *bounds, const PairOptions *options,
                           const Progress *progress, Arena *arena, CampusPairs *out) {
     Arena scratch = {0};
     CellRows seen = unite_bounds(bounds, &scratch);
-    arena_free(&bounds->ways_arena);
     if (!window_pays(&seen)) {
         arena_free(&scratch);
         return false;
@@ -237,6 +238,7 @@ static bool search_groups(const CellGraph *graph, Bounds *bounds, const PairOpti
         out->stopped =
             !search_group(&s, first, groups.first[s.group + 1] - groups.first[s.group], &out->work);
     }
+    arena_free(&s.window);
     keep_proofs(&s);
     cell_rows_make_symmetric(&s.seen, &scratch);
     out->undecided = count_undecided(&s);
@@ -251,7 +253,7 @@ static bool in_windows(const CellGraph *graph, const PairOptions *options, const
     Arena scratch = {0};
     *out = (CampusPairs){.stopped = false};
     Bounds b = {.threads = parallel_threads(options->threads)};
-    ways_build(graph, &b.ways_arena, &b.ways);
+    ways_build(graph, &scratch, &b.ways);
     b.cells = ARENA_ARRAY(&scratch, int *, b.ways.way_count);
     b.count = ARENA_ARRAY(&scratch, int, b.ways.way_count);
     b.flows = ARENA_ARRAY(&scratch, Flow, b.threads);
@@ -265,7 +267,6 @@ static bool in_windows(const CellGraph *graph, const PairOptions *options, const
     for (int i = 0; i < b.threads; i++) flow_end(&b.flows[i]);
     good = good && search_groups(graph, &b, options, progress, arena, out);
     for (int i = 0; i < b.threads; i++) arena_free(&b.own[i]);
-    arena_free(&b.ways_arena);
     arena_free(&scratch);
     return good;
 }

@@ -70,7 +70,7 @@ static const double WORK_MERGED = 6e9;
 
 void proof_search(Rounds *r, bool reach) {
     Cast cast;
-    cast_build(&r->ways, &r->scratch, &cast);
+    cast_build(&r->ways, r->scratch, &cast);
     r->cast = &cast;
     prove_neighbours(r);
     cast_from_portals(r);

@@ -143,18 +143,19 @@ bool rounds_go_on(Flow *flow) {
     return tell(finding->rounds, NULL, 0);
 }
 
-void rounds_open(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
-                 Arena *arena, PairSet *set) {
+void rounds_open(Rounds *r, const CellGraph *graph, const WayGraph *ways, const PairOptions *options,
+                 const Progress *progress, Arena *arena, Arena *scratch, PairSet *set) {
     *r = (Rounds){.options = options,
                   .progress = progress,
                   .set = set,
                   .stage = "sightlines",
                   .threads = parallel_threads(options->threads),
                   .lock = PTHREAD_MUTEX_INITIALIZER,
-                  .arena = arena};
+                  .arena = arena,
+                  .ways = *ways};
+    r->scratch = scratch ? scratch : &r->own_scratch;
     *set = pair_set_new(graph, arena);
-    ways_build(graph, &r->scratch, &r->ways);
-    r->might = ARENA_ARRAY(&r->scratch, uint64_t, (size_t)r->ways.way_count * (size_t)r->ways.words);
+    r->might = ARENA_ARRAY(r->scratch, uint64_t, (size_t)r->ways.way_count * (size_t)r->ways.words);
     for (int c = 0; c < r->ways.cell_count; c++) {
         row_add(set_row(r, set->proven, c), c);
         row_add(set_row(r, set->seen, c), c);
@@ -163,7 +164,11 @@ void rounds_open(Rounds *r, const CellGraph *graph, const PairOptions *options, 
 
 void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
                   Arena *arena, PairSet *set) {
-    rounds_open(r, graph, options, progress, arena, set);
+    Arena own = {0};
+    WayGraph ways;
+    ways_build(graph, &own, &ways);
+    rounds_open(r, graph, &ways, options, progress, arena, NULL, set);
+    arena_join(&r->own_scratch, &own);
     parallel_for(r->threads, r->ways.cell_count, flood_cell, r);
     see_floods(r);
 }
@@ -396,5 +401,5 @@ void rounds_end(Rounds *r) {
         }
     }
     memory_free(r->witnesses);
-    arena_free(&r->scratch);
+    arena_free(&r->own_scratch);
 }

@@ -30,7 +30,8 @@ typedef struct Rounds {
     const Cast *cast;   // of cast.h, where lines are cast
     const char *stage;  // of the searches, for progress
     Arena *arena;       // of the caller, for the result
-    Arena scratch;
+    Arena *scratch;     // `own_scratch`, which rounds_end frees, or the caller's
+    Arena own_scratch;
 } Rounds;
 
 // Two cells, a < b.
@@ -62,9 +63,10 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
 // The same without the flood: the caller fills `might`, adds to set->seen and set->proven what may be seen and what is, as far as he
-// knows and without regard to symmetry of `seen`, and calls rounds_agree, which takes from both what one of them lacks.
-void rounds_open(Rounds *rounds, const CellGraph *graph, const PairOptions *options, const Progress *progress,
-                 Arena *arena, PairSet *set);
+// knows and without regard to symmetry of `seen`, and calls rounds_agree, which takes from both what one of them lacks. `ways` are those
+// of the graph; what is found meanwhile lies in `scratch`, NULL: in memory that rounds_end frees.
+void rounds_open(Rounds *rounds, const CellGraph *graph, const WayGraph *ways, const PairOptions *options,
+                 const Progress *progress, Arena *arena, Arena *scratch, PairSet *set);
 void rounds_agree(Rounds *rounds);
 // Are lines from the cell asked for?
 static inline bool rounds_asks(const Rounds *rounds, int cell) {

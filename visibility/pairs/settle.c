@@ -175,10 +175,15 @@ static Doubt *list_doubts(const Rounds *r, Arena *arena, int *count) {
     Doubt *doubts = ARENA_ARRAY(arena, Doubt, most + 1);
     *count = 0;
     for (int a = 0; a < set->cell_count; a++) {
-        for (int b = a + 1; b < set->cell_count && *count < most; b++) {
-            if (!rounds_asks(r, a) && !rounds_asks(r, b)) continue;
-            bool doubt = pair_bit(set->seen, set->words, a, b) && !pair_bit(set->proven, set->words, a, b);
-            if (doubt) doubts[(*count)++] = (Doubt){a, b};
+        const uint64_t *seen = set->seen + (size_t)a * (size_t)set->words,
+                       *proven = set->proven + (size_t)a * (size_t)set->words;
+        bool all = rounds_asks(r, a);
+        for (int k = a / 64; k < set->words; k++) {
+            uint64_t doubt = seen[k] & ~proven[k];
+            if (k == a / 64) doubt &= ~UINT64_C(1) << (a % 64);
+            if (!all) doubt &= r->own[k];
+            for (; doubt && *count < most; doubt &= doubt - 1)
+                doubts[(*count)++] = (Doubt){a, 64 * k + __builtin_ctzll(doubt)};
         }
     }
     return doubts;

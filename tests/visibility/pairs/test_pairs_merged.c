@@ -49,7 +49,7 @@ static PairSet merged_set(const CellGraph *graph, bool lines, int threads, Arena
     Rounds rounds;
     Cast cast;
     rounds_start(&rounds, graph, &options, NULL, arena, &set);
-    cast_build(&rounds.ways, &rounds.scratch, &cast);
+    cast_build(&rounds.ways, rounds.scratch, &cast);
     rounds.cast = &cast;
     if (lines) cast_from_portals(&rounds);
     rounds_search(&rounds, ROUNDS_WORK, merged_search, NULL);

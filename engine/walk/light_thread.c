@@ -469,7 +469,8 @@ void light_thread_ask_part(LightThread *t, int part) {
     if (t->part_asked == part && (t->part_fresh < 0 || t->part_fresh == part)) return;
     pthread_mutex_lock(&t->lock);
     if (t->part_fresh >= 0 && t->part_fresh != part) {
-        t->fresh = t->part_fresh = -1;
+        t->part_fresh = -1;
+        t->fresh = -1;
         atomic_store(&t->mesh, NULL);
     }
     t->part_asked = part;

@@ -457,7 +457,8 @@ static double share_in_sight(Worker *w, const Before *before, const Facing *faci
     SpreadSight by_table =
         spread_sight(facing->spread, LAMP_SPREAD_OFF, w->frame->x, w->frame->y, w->frame->z);
     AnalyticSight sight = {0};
-    Panes panes = {.panes = w->panes + before->first_pane, .count = before->pane_count};
+    Panes panes = {.panes = before->pane_count > 0 ? w->panes + before->first_pane : NULL,
+                   .count = before->pane_count};
     const Vec3 *lamp = move_lamp(w, w->corner + facing->first, facing->count, point);
     int occluders = find_occluders(w, facing, lamp, point);
     w->report.direct_pairs++;

@@ -18,14 +18,17 @@ typedef struct Bounds {
     int **found;  // [cell_count] a list while it is made
     Arena *own;   // of lists
     long long *spent;
-    int threads, first;  // way of the run
+    bool many;  // more cells than one matrix has
+    int *way;   // of the run
+    int threads;
 } Bounds;
 
 static void bound_way(void *context, int index, int thread) {
     Bounds *b = context;
-    int way = b->first + index;
+    int way = b->way[index];
     Flow *flow = &b->flows[thread];
-    flow->spent = 0;
+    b->spent[index] = flow->spent = 0;
+    if (b->cells[way]) return;
     int count = merged_cells(flow, way, b->found[thread], b->ways.cell_count);
     b->spent[index] = flow->spent;
     b->count[way] = count;
@@ -40,24 +43,45 @@ static long long bound_work(const WayGraph *ways) {
     return ways->cell_count > VIS_MANY_CELLS ? 2000000 : 200000;
 }
 
+enum { RUN = 1024 };
+
+// Bounds the ways of a run, and adds what was done to `spent`. False where one of them takes too long.
+static bool bound_run(Bounds *b, int count, long long allowed, long long *spent) {
+    for (int i = 0; i < b->threads; i++) b->flows[i].allowed = allowed - *spent;
+    parallel_for(b->threads, count, bound_way, b);
+    for (int i = 0; i < count; i++) {
+        *spent += b->spent[i];
+        if (b->count[b->way[i]] < 0) return false;
+    }
+    return *spent <= allowed;
+}
+
+// Do some ways, from all over the building, see so much that windows will hardly pay (window_pays)? Then one matrix has the pairs.
+static bool much_is_seen(Bounds *b, long long *spent) {
+    enum { SAMPLE = 64, TWICE = 2 };
+    int ways = b->ways.way_count, count = ways < SAMPLE ? ways : SAMPLE;
+    double cells = 0;
+    for (int i = 0; i < count; i++) b->way[i] = (int)((long long)i * ways / count);
+    if (!bound_run(b, count, bound_work(&b->ways) * ways, spent)) return true;
+    for (int i = 0; i < count; i++) cells += b->count[b->way[i]];
+    return cells * WINDOW_SHARE > TWICE * (double)count * b->ways.cell_count;
+}
+
 // False where it takes too long, or progress asked to stop.
 static bool bound_ways(Bounds *b, const Progress *progress, Arena *scratch) {
-    enum { RUN = 1024, AHEAD = 16 * RUN };
+    enum { AHEAD = 16 * RUN };
     int ways = b->ways.way_count;
     long long spent = 0;
     b->spent = ARENA_ARRAY(scratch, long long, RUN);
-    for (b->first = 0; b->first < ways; b->first += RUN) {
-        int count = ways - b->first < RUN ? ways - b->first : RUN;
-        if (!progress_report(progress, "bounds", (double)b->first / ways)) return false;
+    b->way = ARENA_ARRAY(scratch, int, RUN);
+    if (!b->many && much_is_seen(b, &spent)) return false;
+    for (int first = 0; first < ways; first += RUN) {
+        int count = ways - first < RUN ? ways - first : RUN;
+        if (!progress_report(progress, "bounds", (double)first / ways)) return false;
         // The first ways may take what is meant for others.
-        int ahead = ways < b->first + AHEAD ? ways : b->first + AHEAD;
-        for (int i = 0; i < b->threads; i++) b->flows[i].allowed = bound_work(&b->ways) * ahead - spent;
-        parallel_for(b->threads, count, bound_way, b);
-        for (int i = 0; i < count; i++) {
-            spent += b->spent[i];
-            if (b->count[b->first + i] < 0) return false;
-        }
-        if (spent > bound_work(&b->ways) * ahead) return false;
+        int ahead = ways < first + AHEAD ? ways : first + AHEAD;
+        for (int i = 0; i < count; i++) b->way[i] = first + i;
+        if (!bound_run(b, count, bound_work(&b->ways) * ahead, &spent)) return false;
     }
     return true;
 }
@@ -212,7 +236,7 @@ static long long count_undecided(const Search *s) {
 // False where windows do not pay.
 static bool search_groups(const CellGraph *graph, const Bounds *bounds, const PairOptions *options,
                           const Progress *progress, Arena *arena, CampusPairs *out) {
-    Arena scratch = {0};
+    Arena scratch = {.dense = true};
     CellRows seen = unite_bounds(bounds, &scratch);
     if (!window_pays(&seen)) {
         arena_free(&scratch);
@@ -250,9 +274,9 @@ static bool search_groups(const CellGraph *graph, const Bounds *bounds, const Pa
 // False where windows do not pay, or progress asked to stop before the bounds were there.
 static bool in_windows(const CellGraph *graph, const PairOptions *options, const Progress *progress,
                        Arena *arena, CampusPairs *out) {
-    Arena scratch = {0};
+    Arena scratch = {.dense = true};
     *out = (CampusPairs){.stopped = false};
-    Bounds b = {.threads = parallel_threads(options->threads)};
+    Bounds b = {.threads = parallel_threads(options->threads), .many = graph->cell_count > VIS_MANY_CELLS};
     ways_build(graph, &scratch, &b.ways);
     b.cells = ARENA_ARRAY(&scratch, int *, b.ways.way_count);
     b.count = ARENA_ARRAY(&scratch, int, b.ways.way_count);
@@ -262,6 +286,7 @@ static bool in_windows(const CellGraph *graph, const PairOptions *options, const
     for (int i = 0; i < b.threads; i++) {
         flow_start(&b.flows[i], &b.ways, NULL);
         b.found[i] = ARENA_ARRAY(&scratch, int, b.ways.cell_count);
+        b.own[i].dense = true;
     }
     bool good = bound_ways(&b, progress, &scratch);
     for (int i = 0; i < b.threads; i++) flow_end(&b.flows[i]);

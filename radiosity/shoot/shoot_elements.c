@@ -3,6 +3,8 @@
 
 #include <pthread.h>
 
+#include "engine/core/memory.h"
+
 // Shots a list: to wake a thread costs as much time as a few. And lists, of which one is written.
 enum { SHOTS_A_LIST = 64, LISTS = 16 };
 
@@ -24,6 +26,7 @@ typedef struct Reflector {
 } Reflector;
 
 struct ShootElements {
+    Arena own;               // of this alone
     Four *radiosity;         // [element_count]
     Four *direct;            // [element_count] the part that came straight from lamps
     Reflector *reflectors;   // [patch_count]
@@ -129,7 +132,13 @@ void shoot_elements_load(ShootElements *e, const RadSolution *solution) {
 }
 
 ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution, int threads, Arena *arena) {
-    ShootElements *e = ARENA_ARRAY(arena, ShootElements, 1);
+    // A member of a team may sleep (team.h) while its thread here is still on the way to wait: what the thread writes then must not lie
+    // in the file, or it is lost.
+    PageFile *file = memory_use_file(NULL);
+    Arena own = {0};
+    ShootElements *e = ARENA_ARRAY(&own, ShootElements, 1);
+    memory_use_file(file);
+    e->own = own;
     e->element_count = mesh->element_count;
     e->radiosity = ARENA_ARRAY(arena, Four, mesh->element_count);
     e->direct = ARENA_ARRAY(arena, Four, mesh->element_count);
@@ -181,4 +190,6 @@ void shoot_elements_end(ShootElements *e) {
     }
     pthread_mutex_destroy(&e->mutex);
     pthread_cond_destroy(&e->changed);
+    Arena own = e->own;
+    arena_free(&own);
 }

@@ -206,8 +206,8 @@ static bool take_faces(Reading *r, LitMesh *lit) {
     return lit->lamp_count == h->lamp_count;
 }
 
-static bool are_finite(const float *v, int count) {
-    for (int i = 0; i < count; i++)
+static bool are_finite(const float *v, size_t count) {
+    for (size_t i = 0; i < count; i++)
         if (!isfinite(v[i])) return false;
     return true;
 }
@@ -255,7 +255,7 @@ static bool take_elements(Reading *r, const LitMesh *lit, LitLight *light) {
         if (!derived_take(&r->from, &on, 1) || on > 1) return false;
         light->on[i] = on == 1;
     }
-    return are_finite(lit->spot[0], 4 * h->element_count) &&
+    return are_finite(lit->spot[0], 4 * (size_t)h->element_count) &&
            is_light(light->luminous, (size_t)h->element_count);
 }
 
@@ -306,7 +306,7 @@ LitMesh *lit_read_part(const LoadedScene *scene, const char *path, uint64_t of_r
     return lit;
 }
 
-// A file that is there and does not do is told of.
+// Reads the file as it is drawn; NULL where there is none, and, with a warning, where it cannot be used.
 static LitMesh *try_drawn(const LoadedScene *scene, const char *rad, Arena *arena, LitLight *out) {
     Arena scratch = {0};
     Error error, sentence;

@@ -482,31 +482,30 @@ static MeshSplits *read_splits(const Header *h, const unsigned char *body, Arena
     return splits;
 }
 
-bool rad_load_day(const char *path, const Building *building, Daylight *out, Error *error) {
+static bool read_rad_header(const char *path, const Building *building, Header *out, Error *error) {
     Arena scratch = {0};
     Bytes start;
     size_t whole;
-    Header h;
     bool good = derived_read_header(path, &KIND, building->hash, &scratch, &start, &whole, error);
-    if (good) memcpy(&h, start.data, sizeof h);
-    good = good && check_rest(path, &h, building, error) &&
-           derived_check_size(path, &KIND, whole, sizes_of(&h).total, error);
-    if (good) *out = h.day;
+    if (good) memcpy(out, start.data, sizeof *out);
+    good = good && check_rest(path, out, building, error) &&
+           derived_check_size(path, &KIND, whole, sizes_of(out).total, error);
     arena_free(&scratch);
     return good;
 }
 
-bool rad_checksum(const char *path, const Building *building, uint64_t *out, Error *error) {
-    Arena scratch = {0};
-    Bytes start;
-    size_t whole;
+bool rad_load_day(const char *path, const Building *building, Daylight *out, Error *error) {
     Header h;
-    bool good = derived_read_header(path, &KIND, building->hash, &scratch, &start, &whole, error);
-    if (good) memcpy(&h, start.data, sizeof h);
-    good = good && check_rest(path, &h, building, error);
-    if (good) *out = h.head.body;
-    arena_free(&scratch);
-    return good;
+    if (!read_rad_header(path, building, &h, error)) return false;
+    *out = h.day;
+    return true;
+}
+
+bool rad_checksum(const char *path, const Building *building, uint64_t *out, Error *error) {
+    Header h;
+    if (!read_rad_header(path, building, &h, error)) return false;
+    *out = h.head.body;
+    return true;
 }
 
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,

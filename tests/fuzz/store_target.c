@@ -31,6 +31,14 @@ void store_target_start(StoreTarget *t) {
 // The first byte of an input tells how the others are taken.
 enum { AS_IT_IS, BEHIND_HEAD, CHANGES, KINDS };
 
+static void sum_rest(const StoreTarget *t, unsigned char *file) {
+    DerivedHead head;
+    memcpy(&head, file, sizeof head);
+    size_t rest = sizeof head + sizeof(uint64_t);
+    uint64_t sum = file_hash(file + rest, t->header - rest, head.version);
+    memcpy(file + sizeof head, &sum, sizeof sum);
+}
+
 static Bytes file_of(const StoreTarget *t, const unsigned char *data, size_t size, Arena *arena) {
     int kind = size > 0 ? data[0] % KINDS : AS_IT_IS;
     size_t given = size > 0 ? size - 1 : 0, length = given, sum_at = offsetof(DerivedHead, body);
@@ -42,7 +50,7 @@ static Bytes file_of(const StoreTarget *t, const unsigned char *data, size_t siz
     if (kind != AS_IT_IS && length >= t->header) {
         uint64_t sum = file_hash(file + t->header, length - t->header, 0);
         memcpy(file + sum_at, &sum, sizeof sum);
-        if (t->put_right) t->put_right(file);
+        if (t->rest_sum) sum_rest(t, file);
     }
     return (Bytes){file, length};
 }

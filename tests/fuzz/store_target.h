@@ -8,8 +8,8 @@
 #include "visibility/vis.h"
 
 typedef struct StoreTarget {
-    size_t header;                           // bytes of the whole header
-    void (*put_right)(unsigned char *file);  // further checksums of a whole header; may be NULL
+    size_t header;  // bytes of the whole header
+    bool rest_sum;  // behind its head stands a checksum of the rest of it, hashed with the version
     Arena arena;
     Building building;  // two rooms with a door between, a lamp's light on its leaf
     CellGraph graph;

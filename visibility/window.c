@@ -2,6 +2,7 @@
 #include "visibility/window.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 // The place of a cell along a curve through all space that stays near where it was (G. Morton 1966).
 typedef struct Stop {
@@ -74,6 +75,42 @@ CellGroups cell_groups(const CellGraph *graph, int size, Arena *arena) {
     return groups;
 }
 
+// The first cell of those that portals join to this one, as far as they are joined by now (R. Tarjan 1975).
+static int first_joined(int *joined, int cell) {
+    while (joined[cell] != cell) {
+        joined[cell] = joined[joined[cell]];
+        cell = joined[cell];
+    }
+    return cell;
+}
+
+CellGroups cell_houses(const CellGraph *graph, int least, Arena *arena) {
+    int cells = graph->cell_count;
+    int *joined = ARENA_ARRAY(arena, int, cells), *size = ARENA_ARRAY(arena, int, cells),
+        *group = ARENA_ARRAY(arena, int, cells);
+    CellGroups houses = {.cell = ARENA_ARRAY(arena, int, cells), .first = ARENA_ARRAY(arena, int, cells + 1)};
+    for (int c = 0; c < cells; c++) joined[c] = c;
+    for (int p = 0; p < graph->portal_count; p++) {
+        int a = first_joined(joined, graph->portals[p].cell[0]),
+            b = first_joined(joined, graph->portals[p].cell[1]);
+        joined[a > b ? a : b] = a > b ? b : a;
+    }
+    for (int c = 0; c < cells; c++) size[joined[c] = first_joined(joined, c)]++;
+    for (int c = 0, together = least; c < cells; c++) {
+        if (joined[c] == c) {
+            if (together >= least) houses.count++, together = 0;
+            group[c] = houses.count - 1;
+            together += size[c];
+        }
+        group[c] = group[joined[c]];
+        houses.first[group[c] + 1]++;
+    }
+    for (int g = 0; g < houses.count; g++) houses.first[g + 1] += houses.first[g];
+    int *next = ARENA_ARRAY(arena, int, houses.count);
+    for (int c = 0; c < cells; c++) houses.cell[houses.first[group[c]] + next[group[c]]++] = c;
+    return houses;
+}
+
 static int by_place_in_list(const void *p, const void *q) {
     int a = *(const int *)p, b = *(const int *)q;
     return (a > b) - (a < b);
@@ -103,6 +140,20 @@ static void add_portals(const CellGraph *graph, const int *place, Arena *arena, 
     }
 }
 
+// `cells`, ascending, with the portals between them; `place` of all others is -1.
+static void take_cells(const CellGraph *graph, int *cells, int count, int *place, Arena *arena,
+                       CellWindow *out) {
+    *out = (CellWindow){.cell = cells};
+    out->graph = (CellGraph){.building = graph->building,
+                             .portal_vertices = graph->portal_vertices,
+                             .portal_vertex_count = graph->portal_vertex_count,
+                             .cell_count = count,
+                             .box = graph->box,
+                             .touch = graph->touch};
+    for (int i = 0; i < count; i++) place[cells[i]] = i;
+    add_portals(graph, place, arena, out);
+}
+
 void window_enter(const CellGraph *graph, const CellRows *near, const int *group, int count, int *place,
                   Arena *arena, CellWindow *out) {
     int most = 0, cells = 0;
@@ -119,17 +170,35 @@ void window_enter(const CellGraph *graph, const CellRows *near, const int *group
         }
     }
     qsort(all, (size_t)cells, sizeof *all, by_place_in_list);
-    *out =
-        (CellWindow){.cell = all, .own = ARENA_ARRAY(arena, uint64_t, (cells + 63) / 64), .own_count = count};
-    out->graph = (CellGraph){.building = graph->building,
-                             .portal_vertices = graph->portal_vertices,
-                             .portal_vertex_count = graph->portal_vertex_count,
-                             .cell_count = cells,
-                             .box = graph->box,
-                             .touch = graph->touch};
-    for (int i = 0; i < cells; i++) place[all[i]] = i;
+    take_cells(graph, all, cells, place, arena, out);
+    out->own = ARENA_ARRAY(arena, uint64_t, (cells + 63) / 64);
+    out->own_count = count;
     for (int i = 0; i < count; i++) out->own[place[group[i]] / 64] |= (uint64_t)1 << (place[group[i]] % 64);
-    add_portals(graph, place, arena, out);
+}
+
+void window_of_house(const CellGraph *graph, const int *group, int count, int *place, Arena *arena,
+                     CellWindow *out) {
+    int *cells = ARENA_ARRAY(arena, int, count);
+    memcpy(cells, group, (size_t)count * sizeof *cells);
+    take_cells(graph, cells, count, place, arena, out);
+    CellGraph *house = &out->graph;
+    house->cells = ARENA_ARRAY(arena, Cell, count);
+    house->way_count = 2 * house->portal_count;
+    house->ways = ARENA_ARRAY(arena, Way, house->way_count);
+    for (int p = 0; p < house->portal_count; p++)
+        for (int side = 0; side < 2; side++) house->cells[house->portals[p].cell[side]].way_count++;
+    for (int i = 0, way = 0; i < count; i++) {
+        Cell *cell = &house->cells[i];
+        cell->box = graph->cells[cells[i]].box;
+        cell->first_way = way;
+        way += cell->way_count;
+        cell->way_count = 0;
+    }
+    for (int p = 0; p < house->portal_count; p++)
+        for (int side = 0; side < 2; side++) {
+            Cell *cell = &house->cells[house->portals[p].cell[side]];
+            house->ways[cell->first_way + cell->way_count++] = (Way){p, house->portals[p].cell[!side]};
+        }
 }
 
 void window_leave(const CellWindow *window, int *place) {

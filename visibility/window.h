@@ -20,6 +20,9 @@ typedef struct CellGroups {
 
 // Groups of `size` cells at most; one of all cells has them in their order.
 CellGroups cell_groups(const CellGraph *graph, int size, Arena *arena);
+// Groups that no portal leads out of, each as small as it can be, but that small ones are together until they have `least` cells. A group
+// has its cells in their order.
+CellGroups cell_houses(const CellGraph *graph, int least, Arena *arena);
 
 // Cells and portals have the order that they have in the building.
 typedef struct CellWindow {
@@ -35,5 +38,8 @@ typedef struct CellWindow {
 void window_enter(const CellGraph *graph, const CellRows *near, const int *group, int count, int *place,
                   Arena *arena, CellWindow *out);
 void window_leave(const CellWindow *window, int *place);
+// A group that no portal leads out of as a building of its own. Unlike a window its graph has cells, of which the box and ways are set.
+void window_of_house(const CellGraph *graph, const int *group, int count, int *place, Arena *arena,
+                     CellWindow *out);
 
 #endif

@@ -27,7 +27,7 @@ char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(
 char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
 // Moves all that was allocated from `from` into `to`; `from` is then empty.
 void arena_join(Arena *to, Arena *from);
-void arena_free(Arena *arena);   // frees everything; the arena may be used again
+void arena_free(Arena *arena);  // frees everything; the arena may be used again
 // As arena_free, but keeps the largest block for the next use, or one with room for all that was in use.
 void arena_reset(Arena *arena);
 

@@ -1,5 +1,6 @@
-// campus.c - see campus.h. First a merged search from every way, which follows nothing but portals that its beam meets, bounds what
-// may be seen through the way. Within these bounds, and no farther, each group of cells is searched in a window of its own.
+// campus.c - see campus.h. Houses that no portal joins are searched one by one. In a large house first a merged search from every way,
+// which follows nothing but portals that its beam meets, bounds what may be seen through the way. Within these bounds, and no farther,
+// each group of cells is searched in a window of its own.
 #include "visibility/pairs/campus.h"
 
 #include <stdlib.h>
@@ -272,12 +273,13 @@ static bool search_groups(const CellGraph *graph, const Bounds *bounds, const Pa
 }
 
 // False where windows do not pay, or progress asked to stop before the bounds were there.
-static bool in_windows(const CellGraph *graph, const PairOptions *options, const Progress *progress,
-                       Arena *arena, CampusPairs *out) {
+static bool in_windows(const CellGraph *graph, double share, const PairOptions *options,
+                       const Progress *progress, Arena *arena, CampusPairs *out) {
     Arena scratch = {.dense = true};
     *out = (CampusPairs){.stopped = false};
     Bounds b = {.threads = parallel_threads(options->threads), .many = graph->cell_count > VIS_MANY_CELLS};
     ways_build(graph, &scratch, &b.ways);
+    b.ways.scale *= share;
     b.cells = ARENA_ARRAY(&scratch, int *, b.ways.way_count);
     b.count = ARENA_ARRAY(&scratch, int, b.ways.way_count);
     b.flows = ARENA_ARRAY(&scratch, Flow, b.threads);
@@ -296,11 +298,14 @@ static bool in_windows(const CellGraph *graph, const PairOptions *options, const
     return good;
 }
 
-static void in_matrix(const CellGraph *graph, const PairOptions *options, const Progress *progress,
-                      Arena *arena, CampusPairs *out) {
+static void in_matrix(const CellGraph *graph, double share, const PairOptions *options,
+                      const Progress *progress, Arena *arena, CampusPairs *out) {
     Arena scratch = {0};
     PairSet set;
-    pair_method_finest()->find(graph, options, progress, &scratch, &set);
+    Rounds rounds;
+    rounds_start(&rounds, graph, options, progress, &scratch, &set);
+    rounds.ways.scale *= share;
+    proof_search(&rounds, true);
     *out = (CampusPairs){.seen = cell_rows_of_matrix(set.seen, set.cell_count, arena),
                          .undecided = pair_count(set.seen, set.cell_count, set.words) -
                                       pair_count(set.proven, set.cell_count, set.words),
@@ -309,15 +314,87 @@ static void in_matrix(const CellGraph *graph, const PairOptions *options, const 
     arena_free(&scratch);
 }
 
-bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
-                  CampusPairs *out) {
+static bool has_rooms(const CellGraph *graph) {
+    return graph->building->form == FORM_REGIONS && !graph->building->map;
+}
+
+// Finds the pairs of a building, or of a house that has a `share` of the building's cells. False as campus_pairs.
+static bool whole_pairs(const CellGraph *graph, double share, const PairOptions *options,
+                        const Progress *progress, Arena *arena, CampusPairs *out) {
     // Levels of games and portal files are more open than buildings: there the bounds would be made in vain.
-    bool many = graph->cell_count > VIS_MANY_CELLS,
-         rooms = graph->building->form == FORM_REGIONS && !graph->building->map;
-    if (many || (rooms && graph->cell_count > WINDOW_LEAST)) {
-        if (in_windows(graph, options, progress, arena, out)) return true;
+    bool many = graph->cell_count > VIS_MANY_CELLS;
+    if (many || (has_rooms(graph) && graph->cell_count > WINDOW_LEAST)) {
+        if (in_windows(graph, share, options, progress, arena, out)) return true;
         if (many) return false;
     }
-    in_matrix(graph, options, progress, arena, out);
+    in_matrix(graph, share, options, progress, arena, out);
     return true;
+}
+
+// The search house by house.
+typedef struct Houses {
+    const Progress *progress;
+    double before, share;  // of all cells: those of the houses before this one, and its own
+} Houses;
+
+static bool report_house(void *context, const char *stage, double done) {
+    const Houses *h = context;
+    return progress_report(h->progress, stage, h->before + h->share * done);
+}
+
+// Takes over the rows of a house.
+static void store_house(const CellWindow *house, const CampusPairs *pairs, int *list, Arena *arena,
+                        CampusPairs *out) {
+    for (int c = 0; c < house->graph.cell_count; c++) {
+        int count = cell_rows_list(&pairs->seen, c, list);
+        for (int i = 0; i < count; i++) list[i] = house->cell[list[i]];
+        cell_rows_set_list(&out->seen, house->cell[c], list, count, arena);
+    }
+    out->undecided += pairs->undecided;
+    chain_work_add(&out->work, pairs->work);
+    out->stopped = out->stopped || pairs->stopped;
+}
+
+// No line leads from one house into another.
+static bool in_houses(const CellGraph *graph, const CellGroups *houses, const PairOptions *options,
+                      const Progress *progress, Arena *arena, CampusPairs *out) {
+    Arena scratch = {0}, own = {0};
+    int *place = ARENA_ARRAY(&scratch, int, graph->cell_count),
+        *list = ARENA_ARRAY(&scratch, int, graph->cell_count);
+    Houses h = {.progress = progress};
+    Progress report = {report_house, &h};
+    bool good = true;
+    for (int c = 0; c < graph->cell_count; c++) place[c] = -1;
+    *out = (CampusPairs){.seen = cell_rows_new(graph->cell_count, arena)};
+    for (int i = 0; i < houses->count && good; i++) {
+        CellWindow house;
+        CampusPairs pairs;
+        int first = houses->first[i], count = houses->first[i + 1] - first;
+        h.before = (double)first / graph->cell_count;
+        h.share = (double)count / graph->cell_count;
+        window_of_house(graph, houses->cell + first, count, place, &own, &house);
+        good = whole_pairs(&house.graph, h.share, options, &report, &own, &pairs);
+        if (good) store_house(&house, &pairs, list, arena, out);
+        window_leave(&house, place);
+        arena_reset(&own);
+    }
+    arena_free(&own);
+    arena_free(&scratch);
+    return good;
+}
+
+bool campus_pairs(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
+                  CampusPairs *out) {
+    Arena scratch = {0};
+    bool good;
+    CellGroups houses = {.count = 1};
+    if (graph->cell_count > WINDOW_LEAST && has_rooms(graph))
+        houses = cell_houses(graph, WINDOW_GROUP, &scratch);
+    if (houses.count > 1) {
+        good = in_houses(graph, &houses, options, progress, arena, out);
+    } else {
+        good = whole_pairs(graph, 1, options, progress, arena, out);
+    }
+    arena_free(&scratch);
+    return good;
 }

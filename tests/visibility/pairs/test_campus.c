@@ -15,8 +15,9 @@ typedef struct Made {
     CellGraph graph;
 } Made;
 
-// Rooms in rows, each with a doorway to the right and one upwards, anywhere along their walls.
-static void make_rooms(int side, Made *m) {
+// Rooms in rows, each with a doorway to the right and one upwards, anywhere along their walls; none to the right of the columns `ends`,
+// up to the first -1.
+static void make_rooms(int side, const int *ends, Made *m) {
     Error error;
     VisOptions options = vis_default_options();
     *m = (Made){.arena = {0}};
@@ -31,7 +32,9 @@ static void make_rooms(int side, Made *m) {
                aside = 0.05 * ((column * 7919 + row * 6841 + column * row * 2657) % 41) - 1;
         fprintf(file, "room r%d %.2f,%.2f %.2f,%.2f %.2f,%.2f %.2f,%.2f wall 0.1\n", k, x, y, x + 4, y, x + 4,
                 y + 4, x, y + 4);
-        if ((k + 1) % side)
+        bool end = (k + 1) % side == 0;
+        for (int i = 0; ends[i] >= 0; i++) end = end || column == ends[i];
+        if (!end)
             fprintf(file, "passage x%d %.2f,%.2f angle 90 width 0.9 height 2.1\n", k, x + 4.05,
                     y + 2 + aside);
         if (k / side + 1 < side)
@@ -42,13 +45,54 @@ static void make_rooms(int side, Made *m) {
     cr_assert(vis_build_cells(&m->building, &options, &m->arena, &m->graph, &error), "%s", error.text);
 }
 
+static const int ONE_HOUSE[] = {-1};
+
+// Proves that houses without a way between them, some of a few cells and some large enough for windows, have the pairs that one matrix
+// of all of them has, and that a house costs as much as it does alone.
+Test(campus, houses_are_buildings_of_their_own, .timeout = 120) {
+    Made m;
+    CampusPairs found, of_one;
+    PairSet set;
+    make_rooms(46, (const int[]){0, 1, 2, 19, -1}, &m);
+    CellGroups houses = cell_houses(&m.graph, WINDOW_GROUP, &m.arena);
+    cr_assert_geq(houses.count, 2);
+    bool small = false, large = false;
+    for (int h = 0; h < houses.count; h++) {
+        int cells = houses.first[h + 1] - houses.first[h];
+        small = small || cells <= WINDOW_LEAST;
+        large = large || cells > WINDOW_LEAST;
+    }
+    cr_assert(small && large);
+    cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 2}, NULL, &m.arena, &found));
+    pair_method_finest()->find(&m.graph, &(PairOptions){.threads = 2}, NULL, &m.arena, &set);
+    CellRows whole = cell_rows_of_matrix(set.seen, set.cell_count, &m.arena);
+    cr_expect(cell_rows_equal(&found.seen, &whole));
+    cr_expect_eq(found.undecided, 0);
+    arena_free(&m.arena);
+
+    // Six houses, each of eight columns and more than WINDOW_GROUP cells, against the first of them.
+    make_rooms(48, (const int[]){7, 15, 23, 31, 39, -1}, &m);
+    cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 1}, NULL, &m.arena, &found));
+    CellWindow first;
+    int *place = ARENA_ARRAY(&m.arena, int, m.graph.cell_count);
+    for (int c = 0; c < m.graph.cell_count; c++) place[c] = -1;
+    houses = cell_houses(&m.graph, WINDOW_GROUP, &m.arena);
+    cr_assert_eq(houses.count, 6);
+    window_of_house(&m.graph, houses.cell, houses.first[1], place, &m.arena, &first);
+    cr_assert(campus_pairs(&first.graph, &(PairOptions){.threads = 1}, NULL, &m.arena, &of_one));
+    double all = (double)cell_rows_count(&found.seen), one = (double)cell_rows_count(&of_one.seen);
+    // Houses differ in where their doorways are.
+    cr_expect_lt((double)found.work.chains / all, 1.15 * (double)of_one.work.chains / one);
+    arena_free(&m.arena);
+}
+
 // Proves that pairs found in windows are those of one matrix, on any number of threads, and that trees grown in windows lose
 // nothing: each of their cells is in the sets of both.
 Test(campus, windows_find_what_a_matrix_finds, .timeout = 120) {
     Made m;
     CampusPairs one, three;
     PairSet set;
-    make_rooms(25, &m);
+    make_rooms(25, ONE_HOUSE, &m);
     cr_assert_gt(m.graph.cell_count, WINDOW_LEAST);
     cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 1}, NULL, &m.arena, &one));
     cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 3}, NULL, &m.arena, &three));
@@ -96,7 +140,7 @@ Test(campus, cost_of_a_room_stays, .timeout = 120) {
         CampusPairs found;
         Arena arena = {0};
         int side = k ? 64 : 25;
-        make_rooms(side, &m);
+        make_rooms(side, ONE_HOUSE, &m);
         Memory memory = {.before = memory_used()};
         Progress progress = {watch_memory, &memory};
         cr_assert(campus_pairs(&m.graph, &(PairOptions){.threads = 1}, &progress, &arena, &found));

@@ -248,6 +248,9 @@ static int check(const Arguments *a) {
     if (day_asks(&a->load.day) && a->walk.verify)
         return app_misuse("walk", "walk: %s is not for --verify, which shows no light",
                           day_asks_sky(&a->load.day) ? "--sky" : "daylight");
+    if (a->walk.verify && (a->load.light || a->walk.look == WALK_BAKED))
+        return app_misuse("walk", "walk: %s is not for --verify, which shows no light",
+                          a->load.light ? "--light" : "--look baked");
     if (a->toured && a->walk.replay)
         return app_misuse("walk", "walk: --tour or --replay (one of them is allowed)");
     return app_check_day("walk", &a->load.day);

@@ -446,6 +446,8 @@ expect 2 "$program" render $two --night --time 9:00 -o "$work/day.png" && says e
 rm -rf "$work/cache"
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --day && says err 'daylight is not for --verify'
+expect 2 "$program" walk $two --offscreen "$work/day" --verify --look baked && says err 'look baked is not for --verify'
+expect 2 "$program" walk $two --offscreen "$work/day" --verify --light x.rad && says err 'light is not for --verify'
 # A day with a sun: `--day` alone is the usual one, another hour another day; a home has a day of its own.
 expect 0 "$program" bake "$work/unlit.plan" --day -o "$work/usual.rad" && says out 'sky_w  *[1-9]'
 expect 0 "$program" bake "$work/unlit.plan" --date 2026-06-21 --time 10:00 --place 50,0 --north 0 --weather clear -o "$work/said.rad"

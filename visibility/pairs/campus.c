@@ -361,6 +361,7 @@ static bool in_houses(const CellGraph *graph, const CellGroups *houses, const Pa
     Arena scratch = {0}, own = {0};
     int *place = ARENA_ARRAY(&scratch, int, graph->cell_count),
         *list = ARENA_ARRAY(&scratch, int, graph->cell_count);
+    PairOptions of_house = {.threads = options->threads};  // what is known is of all cells
     Houses h = {.progress = progress};
     Progress report = {report_house, &h};
     bool good = true;
@@ -373,7 +374,7 @@ static bool in_houses(const CellGraph *graph, const CellGroups *houses, const Pa
         h.before = (double)first / graph->cell_count;
         h.share = (double)count / graph->cell_count;
         window_of_house(graph, houses->cell + first, count, place, &own, &house);
-        good = whole_pairs(&house.graph, h.share, options, &report, &own, &pairs);
+        good = whole_pairs(&house.graph, h.share, &of_house, &report, &own, &pairs);
         if (good) store_house(&house, &pairs, list, arena, out);
         window_leave(&house, place);
         arena_reset(&own);

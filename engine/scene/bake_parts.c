@@ -24,6 +24,7 @@ typedef struct PartsBake {
     const Progress *progress;
     int cells;
     Parts parts;
+    const double *weight;  // [parts], NULL in a process alone
     PartsReport *report;
     Arena *arena;             // of what the first member keeps
     const TeamBytes *letter;  // [parts] to the first member
@@ -57,7 +58,7 @@ int bake_parts_cells_apart(void) {
                                          : (int)fit;
     Error error;
     // A process that cannot start a thread for this could not start those of its parts either, which is told then.
-    if (team_ranks() > 1) team_run(team_ranks(), agree_cells, &cells, NULL, &error);
+    if (team_ranks() > 1) team_run(team_ranks(), NULL, agree_cells, &cells, NULL, &error);
     return cells;
 }
 
@@ -405,13 +406,28 @@ static void bake_part(void *context, TeamMember *member) {
 // A folder goes if it is empty.
 static void leave_folder(void *path) { rmdir(path); }
 
+// A part has as much to do as it sees objects: of ten parts of a campus each took 3.1 to 3.7 ms for one of them.
+static const double *part_weights(const PartsBake *b, Arena *arena) {
+    const LoadedScene *scene = b->scene;
+    int words = (scene->graph.object_count + 63) / 64;
+    double *weight = ARENA_ARRAY(arena, double, b->parts.count);
+    for (int p = 0; p < b->parts.count; p++) {
+        Arena scratch = {0};
+        MeshPart part = part_of(&b->parts, &scene->forest, p, b->options.mesh.close, &scratch);
+        weight[p] = 1;
+        for (int w = 0; w < words; w++) weight[p] += __builtin_popcountll(part.seen[w]);
+        arena_free(&scratch);
+    }
+    return weight;
+}
+
 static bool run_apart(PartsBake *b, Error *error) {
     Arena scratch = {0};
     char *folder = arena_string(&scratch, b->keep->folder);
     MemoryEnd end = {leave_folder, folder, NULL};
     bool good = file_make_folder(folder, error);
     memory_add_end(&end);
-    good = good && team_run(b->parts.count, bake_part, b, folder, error);
+    good = good && team_run(b->parts.count, b->weight, bake_part, b, folder, error);
     memory_remove_end(&end);
     leave_folder(folder);
     arena_free(&scratch);
@@ -439,6 +455,7 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
     whole->proxies = proxies_find(graph, whole->proxy, arena);
     whole->threads = options->rad.threads;
     report->parts = b.parts.count;
+    if (team_ranks() > 1) b.weight = part_weights(&b, &own);
     // Rows of members that sleep take room on the disk, and as long to be read as to be made again.
     if (apart && b.options.rad.row_bytes == RAD_ROWS_FIT)
         b.options.rad.row_bytes = memory_left() / ROWS_APART;
@@ -450,7 +467,7 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
     if (good && apart)
         good = run_apart(&b, error);
     else
-        good = good && team_run(b.parts.count, bake_part, &b, NULL, error);
+        good = good && team_run(b.parts.count, b.weight, bake_part, &b, NULL, error);
     team_last_words(NULL);
     if (good && !b.good) {
         *error = b.error;

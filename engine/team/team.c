@@ -3,6 +3,8 @@
 #include "engine/team/team.h"
 
 #include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "engine/core/memory.h"
 #include "engine/core/page_file.h"
@@ -18,12 +20,17 @@ typedef struct Seat {
 } Seat;
 
 typedef struct Team {
-    int count, first, end;  // members first .. end - 1 are of this process
-    int turn, step;  // the member that works, -1: none does yet; and how far it is to the next, 1 or -1
-    bool off;        // none will
+    int count;
+    int *order,
+        *first;  // [count] members by processes; those of process r are order[first[r]] .. order[first[r + 1] - 1]
+    const int *own;  // [own_count] those of this process
+    int own_count;
+    int turn,
+        step;  // the place in `own` of who works, -1: none does yet; and how far it is to the next, 1 or -1
+    bool off;  // none will
     long long sent;
-    Seat *seats;          // [count] of this process's members
-    TeamMember *members;  // [count] the same
+    Seat *seats;          // [count], of which those of this process's members are filled
+    TeamMember *members;  // [own_count]
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     void (*work)(void *context, TeamMember *member);
@@ -32,7 +39,7 @@ typedef struct Team {
 
 struct TeamMember {
     Team *team;
-    int index;
+    int index, place;  // in the team, and in team->own
     pthread_t thread;
     PageFile *file;
 };
@@ -43,34 +50,32 @@ long long team_sent(const TeamMember *member) { return member->team->sent; }
 
 // ---- letters
 
-static int first_of_rank(int count, int rank) { return (int)((long long)count * rank / team_ranks()); }
-
-// The member that comes as number k between two meetings.
-static int member_at(const Team *team, int k) { return team->step > 0 ? team->first + k : team->end - 1 - k; }
+// The place of the member that comes as number k between two meetings.
+static int place_at(const Team *team, int k) { return team->step > 0 ? k : team->own_count - 1 - k; }
 
 // Nobody works. Once members have much in memory, what they have goes, first of those whose turns are farthest away: of those that came,
-// up to `last`, in their order, and then of those that are to come, from the end.
+// up to the place `last`, in their order, and then of those that are to come, from the end.
 static void let_sleep(const Team *team, int last) {
-    int own = team->end - team->first, came = (last - member_at(team, 0)) * team->step + 1;
+    int own = team->own_count, came = (last - place_at(team, 0)) * team->step + 1;
     Error error;
-    if (!team->members[team->first].file) return;
+    if (!team->members[0].file) return;
     for (int i = 0; i < own && memory_much_resident(); i++)
-        if (!page_file_drop(team->members[member_at(team, i < came ? i : own - 1 - (i - came))].file, &error))
+        if (!page_file_drop(team->members[place_at(team, i < came ? i : own - 1 - (i - came))].file, &error))
             memory_end_saying(error.text);
 }
 
 // Room for a member that sleeps, where its memory lies.
-static void *room_of(const Team *team, int member, size_t count, size_t size) {
-    PageFile *own = memory_use_file(team->members[member].file);
-    void *room = arena_alloc(team->seats[member].arena, count, size);
+static void *room_of(const Team *team, int place, size_t count, size_t size) {
+    PageFile *own = memory_use_file(team->members[place].file);
+    void *room = arena_alloc(team->seats[team->own[place]].arena, count, size);
     memory_use_file(own);
     return room;
 }
 
-static void hand_over(const Team *team, int to, int from, TeamBytes letter) {
-    void *copy = room_of(team, to, letter.size + 1, 1);
+static void hand_over(const Team *team, int place, int from, TeamBytes letter) {
+    void *copy = room_of(team, place, letter.size + 1, 1);
     if (letter.size > 0) memcpy(copy, letter.data, letter.size);
-    team->seats[to].got[from] = (TeamBytes){copy, letter.size};
+    team->seats[team->own[place]].got[from] = (TeamBytes){copy, letter.size};
 }
 
 static TeamBytes letter_of(const Seat *from, int to) {
@@ -86,11 +91,11 @@ static size_t put(char *at, const void *data, size_t size) {
 
 static size_t pack_letters(const Team *team, int rank, char *out) {
     size_t size = 0;
-    int first = first_of_rank(team->count, rank), end = first_of_rank(team->count, rank + 1);
-    for (int from = team->first; from < team->end; from++) {
-        const Seat *seat = &team->seats[from];
+    int first = team->first[rank], end = team->first[rank + 1];
+    for (int place = 0; place < team->own_count; place++) {
+        const Seat *seat = &team->seats[team->own[place]];
         for (int to = first; to < (seat->to ? end : first + 1); to++) {
-            TeamBytes letter = letter_of(seat, to);
+            TeamBytes letter = letter_of(seat, team->order[to]);
             size += put(out ? out + size : NULL, &letter.size, sizeof letter.size);
             size += put(out ? out + size : NULL, letter.data, letter.size);
         }
@@ -99,15 +104,14 @@ static size_t pack_letters(const Team *team, int rank, char *out) {
 }
 
 static void unpack(Team *team, int rank, const char *from) {
-    int first = first_of_rank(team->count, rank), end = first_of_rank(team->count, rank + 1);
-    bool each = team->seats[team->first].to != NULL;
-    for (int sender = first; sender < end; sender++) {
-        for (int to = team->first; to < team->end; to++) {
+    bool each = team->seats[team->own[0]].to != NULL;
+    for (int sender = team->first[rank]; sender < team->first[rank + 1]; sender++) {
+        for (int place = 0; place < team->own_count; place++) {
             TeamBytes letter;
             memcpy(&letter.size, from, sizeof letter.size);
             letter.data = from + sizeof letter.size;
-            hand_over(team, to, sender, letter);
-            if (each || to + 1 == team->end) from += sizeof letter.size + letter.size;
+            hand_over(team, place, team->order[sender], letter);
+            if (each || place + 1 == team->own_count) from += sizeof letter.size + letter.size;
         }
     }
 }
@@ -115,12 +119,12 @@ static void unpack(Team *team, int rank, const char *from) {
 // The last of this process's members has come.
 static void carry_letters(Team *team) {
     int ranks = team_ranks(), own = team_rank();
-    for (int k = 0; k < team->end - team->first; k++) {
-        int to = member_at(team, k);
-        team->seats[to].got = room_of(team, to, (size_t)team->count, sizeof(TeamBytes));
-        for (int from = team->first; from < team->end; from++)
-            hand_over(team, to, from, letter_of(&team->seats[from], to));
-        let_sleep(team, to);
+    for (int k = 0; k < team->own_count; k++) {
+        int place = place_at(team, k), to = team->own[place];
+        team->seats[to].got = room_of(team, place, (size_t)team->count, sizeof(TeamBytes));
+        for (int i = 0; i < team->own_count; i++)
+            hand_over(team, place, team->own[i], letter_of(&team->seats[team->own[i]], to));
+        let_sleep(team, place);
     }
     for (int step = 1; step < ranks; step++) {
         Arena scratch = {0};
@@ -137,24 +141,25 @@ static void carry_letters(Team *team) {
 
 // ---- turns
 
-static void wait_for_turn(Team *team, int member) {
-    while (team->turn != member) pthread_cond_wait(&team->changed, &team->mutex);
+static void wait_for_turn(const TeamMember *member) {
+    Team *team = member->team;
+    while (team->turn != member->place) pthread_cond_wait(&team->changed, &team->mutex);
 }
 
 static const TeamBytes *meet(TeamMember *member, Seat seat) {
     Team *team = member->team;
     pthread_mutex_lock(&team->mutex);
     team->seats[member->index] = seat;
-    bool last = member->index == member_at(team, team->end - team->first - 1);
+    bool last = member->place == place_at(team, team->own_count - 1);
     if (member->file) memory_sleep(member->file);
     if (last) carry_letters(team);
-    let_sleep(team, member->index);
+    let_sleep(team, member->place);
     if (last)
         team->step = -team->step;
     else
         team->turn += team->step;
     pthread_cond_broadcast(&team->changed);
-    wait_for_turn(team, member->index);
+    wait_for_turn(member);
     if (member->file) memory_wake(member->file);
     const TeamBytes *got = team->seats[member->index].got;
     pthread_mutex_unlock(&team->mutex);
@@ -173,7 +178,7 @@ static void *take_part(void *context) {
     TeamMember *member = context;
     Team *team = member->team;
     pthread_mutex_lock(&team->mutex);
-    while (team->turn != member->index && !team->off) pthread_cond_wait(&team->changed, &team->mutex);
+    while (team->turn != member->place && !team->off) pthread_cond_wait(&team->changed, &team->mutex);
     pthread_mutex_unlock(&team->mutex);
     if (team->off) {
         page_file_free(member->file);
@@ -190,44 +195,90 @@ static void *take_part(void *context) {
     return NULL;
 }
 
+// ---- processes
+
+// A member, the heaviest first; of equal ones the first.
+typedef struct Weighed {
+    double weight;
+    int member;
+} Weighed;
+
+static int by_weight(const void *a, const void *b) {
+    const Weighed *one = a, *other = b;
+    if (one->weight != other->weight) return one->weight > other->weight ? -1 : 1;
+    return one->member - other->member;
+}
+
+// Each member, the heaviest first, goes to the process that has least to do so far (Graham 1969: longest processing time first). So each
+// process gets one. The first member is with the first process.
+static void share_members(Team *team, const double *weight, Arena *arena) {
+    Arena scratch = {0};
+    int ranks = team_ranks();
+    Weighed *members = ARENA_ARRAY(&scratch, Weighed, team->count);
+    int *rank_of = ARENA_ARRAY(&scratch, int, team->count), at = 0;
+    double *load = ARENA_ARRAY(&scratch, double, ranks);
+    for (int m = 0; m < team->count; m++) members[m] = (Weighed){weight ? weight[m] : 1, m};
+    qsort(members, (size_t)team->count, sizeof *members, by_weight);
+    for (int m = 0; m < team->count; m++) {
+        int least = 0;
+        for (int r = 1; r < ranks; r++)
+            if (load[r] < load[least]) least = r;
+        CORE_ASSERT(members[m].weight > 0);
+        load[least] += members[m].weight;
+        rank_of[members[m].member] = least;
+    }
+    int with_first = rank_of[0];
+    for (int m = 0; m < team->count; m++)
+        rank_of[m] = rank_of[m] == with_first ? 0 : rank_of[m] == 0 ? with_first : rank_of[m];
+    team->order = ARENA_ARRAY(arena, int, team->count);
+    team->first = ARENA_ARRAY(arena, int, ranks + 1);
+    for (int r = 0; r < ranks; r++) {
+        for (int m = 0; m < team->count; m++)
+            if (rank_of[m] == r) team->order[at++] = m;
+        team->first[r + 1] = at;
+    }
+    team->own = team->order + team->first[team_rank()];
+    team->own_count = team->first[team_rank() + 1] - team->first[team_rank()];
+    arena_free(&scratch);
+}
+
 // Members are as deep in calls as the whole program is.
 static const size_t STACK = (size_t)8 << 20;
 
-bool team_run(int count, void (*work)(void *context, TeamMember *member), void *context, const char *folder,
-              Error *error) {
+bool team_run(int count, const double *weight, void (*work)(void *context, TeamMember *member), void *context,
+              const char *folder, Error *error) {
     Arena arena = {0};
     Team team = {.count = count,
-                 .first = first_of_rank(count, team_rank()),
-                 .end = first_of_rank(count, team_rank() + 1),
                  .turn = -1,
                  .step = 1,
                  .seats = ARENA_ARRAY(&arena, Seat, count),
                  .work = work,
                  .context = context};
-    TeamMember *members = team.members = ARENA_ARRAY(&arena, TeamMember, count);
+    share_members(&team, weight, &arena);
+    CORE_ASSERT(team.own_count > 0);
+    TeamMember *members = team.members = ARENA_ARRAY(&arena, TeamMember, team.own_count);
     pthread_attr_t attributes;
-    CORE_ASSERT(team.first < team.end);
     pthread_mutex_init(&team.mutex, NULL);
     pthread_cond_init(&team.changed, NULL);
     pthread_attr_init(&attributes);
     pthread_attr_setstacksize(&attributes, STACK);
-    int started = team.first;
-    for (; started < team.end; started++) {
+    int started = 0;
+    for (; started < team.own_count; started++) {
         TeamMember *member = &members[started];
-        *member = (TeamMember){.team = &team, .index = started};
+        *member = (TeamMember){.team = &team, .index = team.own[started], .place = started};
         if (folder && !(member->file = page_file_new(folder, error))) break;
         if (pthread_create(&member->thread, &attributes, take_part, member) == 0) continue;
         error_set(error, "there are too few threads for %d groups of cells", count);
         page_file_free(member->file);
         break;
     }
-    bool good = started == team.end;
+    bool good = started == team.own_count;
     pthread_mutex_lock(&team.mutex);
-    team.turn = good ? team.first : -1;
+    team.turn = good ? 0 : -1;
     team.off = !good;
     pthread_cond_broadcast(&team.changed);
     pthread_mutex_unlock(&team.mutex);
-    for (int m = team.first; m < started; m++) pthread_join(members[m].thread, NULL);
+    for (int m = 0; m < started; m++) pthread_join(members[m].thread, NULL);
     pthread_attr_destroy(&attributes);
     pthread_cond_destroy(&team.changed);
     pthread_mutex_destroy(&team.mutex);

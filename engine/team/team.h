@@ -22,10 +22,11 @@ typedef struct TeamBytes {
 // Runs work(context, member) for members 0 .. count - 1, those of this process here (team_ranks), and returns when all are done. A member
 // that fails goes on until all know it (team_any). False, and nothing was run: there are too few threads, or a file cannot be made.
 //
+// `weight` [count], above 0: how much each has to do, by which processes share them; NULL: all the same.
 // `folder`: members that wait sleep; their large arrays lie in files there meanwhile (page_file.h), so the process needs memory for one of
 // them, and all of that is gone at the end. NULL: they keep their memory.
-bool team_run(int count, void (*work)(void *context, TeamMember *member), void *context, const char *folder,
-              Error *error);
+bool team_run(int count, const double *weight, void (*work)(void *context, TeamMember *member), void *context,
+              const char *folder, Error *error);
 
 // The number of members, and which of them this is.
 int team_count(const TeamMember *member);

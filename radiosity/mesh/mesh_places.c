@@ -268,7 +268,7 @@ static double mean_edge(const Vec3 *points, const Rings *rings) {
 
 // ---- on several threads
 
-enum { RINGS_A_GROUP = 512 };
+enum { RINGS_A_GROUP = 2048 };
 
 // The new corners of a group of rings.
 typedef struct Anchored {

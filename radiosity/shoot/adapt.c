@@ -265,7 +265,12 @@ static void plant(void *context, int group, int thread) {
     const Forest *forest = context;
     const Mesh *mesh = forest->mesh;
     Trees *t = &forest->groups[group];
-    for (int f = group * FACES_A_GROUP; f < end_of_group(mesh, group); f++) {
+    int first = group * FACES_A_GROUP, end = end_of_group(mesh, group), elements = 0;
+    for (int f = first; f < end; f++) elements += mesh->faces[f].element_count;
+    // Quarters of quarters: a tree has a third more nodes than leaves. Where elements are halves, or none are seen, it has more.
+    t->capacity = elements + elements / 2 + FACES_A_GROUP;
+    t->nodes = ARENA_ARRAY(&t->arena, Node, t->capacity);
+    for (int f = first; f < end; f++) {
         const Face *face = &mesh->faces[f];
         for (int j = 0; j < face->ny; j += face->root) {
             for (int i = 0; i < face->nx; i += face->root) {

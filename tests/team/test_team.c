@@ -62,7 +62,7 @@ static void take_part(void *context, TeamMember *member) {
 Test(team, sums_and_letters) {
     Seen seen = {0};
     Error error;
-    cr_assert(team_run(MEMBERS, take_part, &seen, NULL, &error), "%s", error.text);
+    cr_assert(team_run(MEMBERS, NULL, take_part, &seen, NULL, &error), "%s", error.text);
     for (int i = 0; i < MEMBERS; i++) {
         cr_expect_eq(seen.sum[i], 4, "member %d has the sum %g", i, seen.sum[i]);
         cr_expect_eq(seen.most[i], 1e16);
@@ -110,12 +110,12 @@ Test(team, members_sleep) {
     MemoryBudget budget = {
         .file = "test", .remedy = "none", .base = before + (4 << 20), .most = before + (4 << 20)};
     memory_set_budget(&budget);
-    bool ran = team_run(MEMBERS, sleep_and_wake, good, folder, &error);
+    bool ran = team_run(MEMBERS, NULL, sleep_and_wake, good, folder, &error);
     memory_set_budget(NULL);
     cr_assert(ran, "%s", error.text);
     for (int i = 0; i < MEMBERS; i++) cr_expect(good[i], "member %d", i);
     cr_expect_eq(memory_used(), before);
-    cr_expect_not(team_run(MEMBERS, sleep_and_wake, good, "/nowhere/at/all", &error));
+    cr_expect_not(team_run(MEMBERS, NULL, sleep_and_wake, good, "/nowhere/at/all", &error));
     cr_expect(strstr(error.text, "/nowhere/at/all"), "%s", error.text);
     arena_free(&arena);
 }

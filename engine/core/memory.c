@@ -372,7 +372,10 @@ void memory_expect_full(void *memory, size_t bytes) {
 
 void memory_return_freed(void) { malloc_trim(0); }
 
+// With pieces of 1 MB and 16 MB left over, and memory of its own for each thread, bakes of homes took 11 to 13 % longer, and 4 to 9 % less
+// memory: a page may take the system 8 microseconds, in which others wait.
 void memory_return_large(void) {
-    mallopt(M_MMAP_THRESHOLD, 1 << 20);
-    mallopt(M_TRIM_THRESHOLD, 16 << 20);
+    mallopt(M_ARENA_MAX, 1);
+    mallopt(M_MMAP_THRESHOLD, 4 << 20);
+    mallopt(M_TRIM_THRESHOLD, 32 << 20);
 }

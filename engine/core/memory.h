@@ -24,7 +24,8 @@ void memory_free(void *memory);              // NULL is allowed
 void memory_expect_full(void *memory, size_t bytes);
 void memory_return_freed(void);  // to the system: what was freed in many small pieces lies between others
 // From now on large pieces go back to the system when they are freed, so that meshes and their solutions, which are made and freed one
-// after the other, never add up. Left to itself, the library would keep them once some were freed.
+// after the other, never add up. Left to itself, the library would keep them once some were freed. Smaller ones are used again, by
+// whatever thread.
 void memory_return_large(void);
 _Noreturn void memory_end(size_t bytes);  // ends the program: no memory for `bytes` bytes
 

@@ -19,6 +19,13 @@ for n in 2 4; do
     ranks 0 $n -o "$work/a$n.rad" --apart
     for part in "$work"/a1.rad.parts/*; do same "$part" "$work/a$n.rad.parts/${part##*/}" "$n processes store other parts than one"; done
 done
+# Eight parts, which two and three processes share by how much each sees: not as they are numbered.
+build/generate campus-10 1 >"$work/campus-10.plan"
+for n in 1 2 3; do
+    expect 0 mpirun --allow-run-as-root --oversubscribe -n $n $several bake "$work/campus-10.plan" --night --element 0.6 --residual 0.01 \
+        --parts 12 --threads 1 --json -o "$work/c$n.rad" && says out '"parts": 8'
+    same "$work/c1.rad" "$work/c$n.rad" "$n processes with eight parts make another light than one"
+done
 # More processes than parts; a file that is not there: one sentence, and all end.
 ranks 1 2 -o "$work/x.rad" --parts 1000 && says err 'give --parts with fewer cells'
 expect 1 mpirun --allow-run-as-root --oversubscribe -n 2 $several bake "$work/absent.plan" && says err 'absent.plan'

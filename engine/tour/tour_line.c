@@ -37,6 +37,32 @@ static void add(Line *l, Vec3 foot, double clearance, bool fixed, int room) {
         (LinePoint){foot, fmin(clearance, KEEP), fixed, room};
 }
 
+// Where columns are farther apart than a body is wide, their clearance does not tell whether the line comes into a wall between them. There
+// an eye keeps this far from walls, metres.
+static const double EYE_KEEPS = 0.1;
+
+static bool is_free(const TourFloor *f, Vec3 foot, int place) {
+    static const Vec2 AROUND[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    const FloorPlace *p = &f->places[place];
+    if (f->apart <= BODY_RADIUS) return true;
+    for (int k = 0; k < 4; k++) {
+        Vec3 at = vec3(foot.x + EYE_KEEPS * AROUND[k].x, foot.y + EYE_KEEPS * AROUND[k].y,
+                       p->foot.z + (double)p->eye);
+        if (vis_locate(f->graph, at, p->cell) < 0) return false;
+    }
+    return true;
+}
+
+static bool is_free_between(const TourFloor *f, Vec3 a, Vec3 b) {
+    int pieces = f->apart > BODY_RADIUS ? (int)ceil(plan_apart(a, b) / ROUTE_APART) : 0;
+    for (int i = 1; i < pieces; i++) {
+        Vec3 at = vec3_lerp(a, b, (double)i / pieces);
+        int place = tour_floor_at(f, at);
+        if (place < 0 || !is_free(f, at, place)) return false;
+    }
+    return true;
+}
+
 // ---- loops
 
 static double turn_at(const TourFloor *f, const WayPlace *way, int count, int i) {
@@ -99,7 +125,8 @@ static bool can_cut(const Line *l, int from, int to) {
         keep = fmin(keep, l->points[i].clearance);
     }
     return tour_floor_straight(l->floor, l->points[from].foot, l->points[to].foot, keep,
-                               FLOOR_LOW | FLOOR_ON_THINGS | FLOOR_IN_THINGS);
+                               FLOOR_LOW | FLOOR_ON_THINGS | FLOOR_IN_THINGS) &&
+           is_free_between(l->floor, l->points[from].foot, l->points[to].foot);
 }
 
 // The same line with points `ROUTE_APART` apart, and with straight sections where it made detours.
@@ -132,7 +159,9 @@ static bool may_pass(const TourFloor *f, Vec3 *foot, double clearance) {
     int p = tour_floor_at(f, *foot);
     if (p < 0) return false;
     const FloorPlace *place = &f->places[p];
-    if (plan_apart(place->foot, *foot) > f->apart || (double)place->clearance < clearance) return false;
+    if (plan_apart(place->foot, *foot) > f->apart || (double)place->clearance < clearance ||
+        !is_free(f, *foot, p))
+        return false;
     foot->z = place->foot.z;
     return true;
 }

@@ -21,13 +21,13 @@ typedef struct Seat {
 
 typedef struct Team {
     int count;
-    int *order,
-        *first;  // [count] members by processes; those of process r are order[first[r]] .. order[first[r + 1] - 1]
+    int *order;      // [count] members by processes
+    int *first;      // [ranks + 1] those of process r are order[first[r]] .. order[first[r + 1] - 1]
     const int *own;  // [own_count] those of this process
     int own_count;
-    int turn,
-        step;  // the place in `own` of who works, -1: none does yet; and how far it is to the next, 1 or -1
-    bool off;  // none will
+    int turn;  // the place in `own` of who works, -1: none does yet
+    int step;  // how far it is to the next, 1 or -1
+    bool off;  // none will work
     long long sent;
     Seat *seats;          // [count], of which those of this process's members are filled
     TeamMember *members;  // [own_count]

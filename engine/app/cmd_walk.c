@@ -293,6 +293,9 @@ static void print_json(const LoadedScene *scene, const WalkTotals *t) {
     json_object_set_new(o, "query_us_mean", json_real(t->query_us_mean));
     json_object_set_new(o, "query_us_max", json_real(t->query_us_max));
     json_object_set_new(o, "frame_ms_mean", json_real(t->frame_ms_mean));
+    json_object_set_new(o, "light_parts_wanted", json_integer(t->light_parts.wanted));
+    json_object_set_new(o, "light_parts_read", json_integer(t->light_parts.read));
+    json_object_set_new(o, "light_parts_kept", json_integer(t->light_parts.kept));
     json_object_set_new(o, "mismatched_pixels", json_integer(t->mismatched_pixels));
     json_object_set_new(o, "missing_polygons", json_integer(t->missing_polygons));
     json_object_set_new(o, "mirrors", json_integer(t->mirrors));
@@ -320,6 +323,10 @@ static void print_walk(const Arguments *a, const WalkTotals *t) {
         printf("frames      %s/frame-00000.png to frame-%05d.png\n", a->walk.folder, t->images - 1);
     if (a->walk.video) printf("video       %s\n", a->walk.video);
     if (a->walk.stats) printf("statistics  %s\n", a->walk.stats);
+    if (t->light_parts.wanted > 0)
+        printf("light       %ld times of another part: %ld times read from its files, %d parts in memory at "
+               "the end\n",
+               t->light_parts.wanted, t->light_parts.read, t->light_parts.kept);
     if (a->walk.verify) {
         printf("verified    %d frames and %d random views: %ld pixels differ, %ld polygons are missing\n",
                t->frames, t->random_frames, t->mismatched_pixels, t->missing_polygons);

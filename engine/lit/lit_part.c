@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "engine/core/file.h"
@@ -306,16 +307,25 @@ LitMesh *lit_read_part(const LoadedScene *scene, const char *path, uint64_t of_r
     return lit;
 }
 
-// Reads the file as it is drawn; NULL where there is none, and, with a warning, where it cannot be used.
-static LitMesh *try_drawn(const LoadedScene *scene, const char *rad, Arena *arena, LitLight *out) {
+size_t lit_part_size(const LightOfParts *parts, int part) {
+    Arena scratch = {0};
+    struct stat of;
+    bool there = stat(file_of(light_parts_file(parts, part, &scratch), &scratch), &of) == 0;
+    arena_free(&scratch);
+    return there ? (size_t)of.st_size : 0;
+}
+
+LitMesh *lit_read_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out) {
+    const LoadedScene *scene = light_parts_scene(parts);
     Arena scratch = {0};
     Error error, sentence;
-    const char *path = file_of(rad, &scratch);
+    const char *rad = light_parts_file(parts, part, &scratch), *path = file_of(rad, &scratch);
     uint64_t of_rad;
     bool there = access(path, F_OK) == 0;
     LitMesh *lit = there && rad_checksum(rad, &scene->building, &of_rad, &error)
                        ? lit_read_part(scene, path, of_rad, arena, out, &error)
                        : NULL;
+    if (lit) out->level = light_parts_level(parts);
     if (there && !lit && scene->warn) {
         error_set(&sentence, "passed over: %.900s", error.text);
         scene->warn(sentence.text);
@@ -324,18 +334,17 @@ static LitMesh *try_drawn(const LoadedScene *scene, const char *rad, Arena *aren
     return lit;
 }
 
-LitMesh *lit_load_part(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error) {
-    const LoadedScene *scene = light_parts_scene(parts);
+LitMesh *lit_make_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error) {
     Arena of_fill = {0};
     WalkLight light;
-    LitMesh *lit = try_drawn(scene, light_parts_file(parts, part, &of_fill), arena, out);
-    if (!lit && light_load_part(parts, part, &of_fill, &light, error)) {
+    LitMesh *lit = NULL;
+    if (light_load_part(parts, part, &of_fill, &light, error)) {
         lit = make_drawn(&light, arena, &of_fill, out);
         lit->mesh = NULL;
         lit->nodes = (Nodes){0};
         lit->node = NULL;
+        out->level = light_parts_level(parts);
     }
-    if (lit) out->level = light_parts_level(parts);
     arena_free(&of_fill);
     return lit;
 }

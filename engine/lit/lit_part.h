@@ -15,7 +15,11 @@ LitMesh *lit_read_part(const LoadedScene *scene, const char *path, uint64_t of_r
                        LitLight *out, Error *error);
 
 // The light of a part and its mesh, in the arena, as drawing needs them: nothing else of the part is kept, and no other light can be
-// filled. Where its file is missing or does not fit, both are made from the .rad file. NULL and an error where that cannot be read.
-LitMesh *lit_load_part(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error);
+// filled. From that file: NULL where there is none, and, with a warning, where it cannot be used. Takes about lit_part_size bytes (0:
+// there is no such file).
+LitMesh *lit_read_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out);
+size_t lit_part_size(const LightOfParts *parts, int part);
+// The same, made from the .rad file, which takes several times that memory meanwhile. NULL and an error where that cannot be read.
+LitMesh *lit_make_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error);
 
 #endif

@@ -275,6 +275,7 @@ bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts
     return good;
 }
 
+int light_parts_number(const LightOfParts *p) { return p->parts.count; }
 const LoadedScene *light_parts_scene(const LightOfParts *p) { return p->scene; }
 double light_parts_level(const LightOfParts *p) { return p->stored.level; }
 

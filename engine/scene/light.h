@@ -16,12 +16,13 @@ bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLi
 // One file. Refuses a file that is damaged, of another building, or made under another day than the scene's.
 bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error);
 
-// Light that is stored in parts (light_parts.h), of which one is read at a time.
+// Light that is stored in parts (light_parts.h), each of which is read by itself.
 typedef struct LightOfParts LightOfParts;
 // The first of the scene's lights, if it is in parts; NULL: it is not. Fails where it does not fit.
 bool light_find_parts(const LoadedScene *scene, Arena *arena, const LightOfParts **out, Error *error);
 // The part that has the light on all that is seen from a cell; -1: the cell is none.
 int light_part_of(const LightOfParts *parts, int cell);
+int light_parts_number(const LightOfParts *parts);
 const LoadedScene *light_parts_scene(const LightOfParts *parts);
 double light_parts_level(const LightOfParts *parts);  // of the whole (light_level.h)
 const char *light_parts_file(const LightOfParts *parts, int part, Arena *arena);  // the .rad file

@@ -6,7 +6,7 @@
 
 #include "engine/core/memory.h"
 #include "engine/gl/gl_context.h"
-#include "engine/lit/lit_part.h"
+#include "engine/lit/lit_parts.h"
 #include "engine/lit/lit_states.h"
 
 // A door that moves has moved by this share of its way before its light is found again.
@@ -21,6 +21,7 @@ struct FilmLight {
     Arena room;
     const WalkLight *light;  // that is shown; NULL: none is yet, or that of a part is
     int part;                // of light in parts, -1: none is shown yet
+    LitParts *parts;         // NULL: it is not in parts
     int rooms;               // of FilmLightSource that were used
     LitStates *states;       // NULL: the light does not follow
     LitLight state[2];
@@ -69,13 +70,19 @@ FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer,
                      .arena = arena};
     f->shown = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
     f->last = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
+    if (source->parts) f->parts = lit_parts_new(source->parts, arena);
     return source->parts || show_light(f, source->light, arena, error) ? f : NULL;
 }
 
 void film_light_end(FilmLight *f) {
     if (!f) return;
     light_end(&f->baked);
+    lit_parts_free(f->parts);
     arena_free(&f->room);
+}
+
+LitPartsCount film_light_parts(const FilmLight *f) {
+    return f && f->parts ? lit_parts_count(f->parts) : (LitPartsCount){0};
 }
 
 bool film_light_stayed(const FilmLight *f) { return f && f->stayed; }
@@ -140,11 +147,9 @@ static Arena *next_room(FilmLight *f) {
 bool film_light_come(FilmLight *f, int cell, Error *error) {
     int part = f->source.parts ? light_part_of(f->source.parts, cell) : -1;
     if (part < 0 || part == f->part) return true;
-    // No frame is drawn meanwhile, so the part before it goes first: a large building has memory for one of them.
+    // No frame is drawn meanwhile, so the part before it may go.
     walk_renderer_darken(f->renderer);
-    Arena *room = &f->source.room[0];
-    arena_free(room);
-    LitMesh *mesh = lit_load_part(f->source.parts, part, room, &f->state[0], error);
+    LitMesh *mesh = lit_parts_get(f->parts, part, -1, &f->state[0], error);
     if (!mesh) return false;
     f->part = part;
     return upload(f, mesh, error);

@@ -3,6 +3,7 @@
 #define FILM_LIGHT_H
 
 #include "engine/draw/walk_renderer.h"
+#include "engine/lit/lit_parts.h"
 #include "engine/scene/light.h"
 
 // The light of a walk, which outlives it.
@@ -13,7 +14,7 @@ typedef struct FilmLightSource {
     // Bakes light that follows the doors, where `light` does not and the doors of a frame stand elsewhere; NULL: then it stays as it is.
     const LightBaker *anew;
     const Rgb *lit;  // [count of the lamps] the state that is shown
-    Arena *room;     // [2] of light of other hours or parts, which must outlive `light`
+    Arena *room;     // [2] of light of other hours, which must outlive `light`
 } FilmLightSource;
 
 // Bakes light that follows the doors (light_end), or, where there is not enough memory for that, light that does not. It lives in `room`,
@@ -40,5 +41,6 @@ bool film_light_follow(FilmLight *light, const float *door_open, const Daylight 
                        const Progress *progress, Error *error);
 // Have doors stood elsewhere than their light has them, and nobody could find theirs?
 bool film_light_stayed(const FilmLight *light);
+LitPartsCount film_light_parts(const FilmLight *light);  // zeros where light is not in parts; NULL is allowed
 
 #endif

@@ -10,7 +10,7 @@
 
 #include "engine/core/memory.h"
 #include "engine/core/parallel.h"
-#include "engine/lit/lit_part.h"
+#include "engine/lit/lit_parts.h"
 #include "engine/lit/lit_states.h"
 #include "radiosity/shoot/ambient.h"
 
@@ -58,7 +58,8 @@ struct LightThread {
     Arena asked;                // of the state asked for
     int part_asked, part_held;  // of light in parts: as wanted, and as held; -1: none
     atomic_int part_fresh;      // as `fresh`
-    Arena room[2];  // light of other days or parts: each in the one that the light before does not lie in
+    LitParts *parts;            // NULL: light is not in parts
+    Arena room[2];              // light of other days: each in the one that the light before does not lie in
     int at;
 };
 
@@ -324,12 +325,10 @@ static int next_part(LightThread *t) {
     return part;
 }
 
-// The part that the walk holds lies in room[at]; that of a part that was dropped is used again.
+// The walk holds state[LAST] or, in turn, state[LAST_ANEW].
 static bool read_part(LightThread *t, int part) {
-    Arena *room = &t->room[1 - t->at];
     LitLight *state = &t->state[t->at == 0 ? LAST : LAST_ANEW];
-    arena_free(room);
-    LitMesh *mesh = lit_load_part(t->baker.parts, part, room, state, &t->error);
+    LitMesh *mesh = lit_parts_get(t->parts, part, t->part_held, state, &t->error);
     if (!mesh) return false;
     pthread_mutex_lock(&t->lock);
     atomic_store(&t->mesh, mesh);
@@ -341,6 +340,7 @@ static bool read_part(LightThread *t, int part) {
 
 static void *read_parts(LightThread *t) {
     bool good = true;
+    t->parts = lit_parts_new(t->baker.parts, &t->arena);
     atomic_store(&t->lamps, LAMPS_NEVER);
     for (int part; good && (part = next_part(t)) >= 0;) {
         good = read_part(t, part);
@@ -500,6 +500,7 @@ bool light_thread_free(LightThread *t, double seconds) {
     pthread_cond_destroy(&t->received);
     pthread_mutex_destroy(&t->lock);
     if (t->followed) light_end(t->followed);
+    lit_parts_free(t->parts);
     for (int i = 0; i < 2; i++) arena_free(&t->room[i]);
     arena_free(&t->arena);
     arena_free(&t->asked);

@@ -321,6 +321,7 @@ static void close_drawing(Walk *w) {
     }
     gl_context_close(w->context);
     w->totals->light_stayed = film_light_stayed(w->light);
+    w->totals->light_parts = film_light_parts(w->light);
     film_light_end(w->light);
     mirrors_free(w->mirrors);
     arena_free(&w->rays);

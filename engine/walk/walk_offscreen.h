@@ -49,8 +49,9 @@ typedef struct WalkTotals {
     long mismatched_pixels, missing_polygons;  // over all frames; 0 unless verified
     long mirrors, mirror_pixels;               // in how many views of mirrors, and at how many pixels of them
     int raycast_frames;
-    long raycast_missing;  // polygons that rays see and the draw list lacks
-    bool light_stayed;     // doors stood elsewhere than the light of written frames has them
+    long raycast_missing;       // polygons that rays see and the draw list lacks
+    LitPartsCount light_parts;  // of light in parts, as the frames wanted them
+    bool light_stayed;          // doors stood elsewhere than the light of written frames has them
     int bad_frames;
     const char *first_fault;  // the place and view of the first bad frame, or NULL
 } WalkTotals;

@@ -3,8 +3,9 @@
 #include <stdlib.h>
 
 #include "engine/core/clock.h"
+#include "engine/core/memory.h"
 #include "engine/draw/image.h"
-#include "engine/lit/lit_part.h"
+#include "engine/lit/lit_parts.h"
 #include "engine/scene/bake_parts.h"
 #include "engine/scene/kept_parts.h"
 #include "engine/scene/light_parts.h"
@@ -130,7 +131,9 @@ Test(light_parts, pictures_are_those_of_the_whole, .timeout = 240) {
 static const LitMesh *load_part(const Apart *a, int part, Arena *arena, LitLight *out) {
     Error error = {""};
     warned[0] = 0;
-    const LitMesh *lit = lit_load_part(a->parted.baker.parts, part, arena, out, &error);
+    const LightOfParts *parts = a->parted.baker.parts;
+    const LitMesh *lit = lit_read_drawn(parts, part, arena, out);
+    if (!lit) lit = lit_make_drawn(parts, part, arena, out, &error);
     cr_assert(lit, "%s", error.text);
     return lit;
 }
@@ -200,9 +203,81 @@ Test(light_parts, are_stored_as_they_are_drawn, .timeout = 240) {
     cr_expect_null(lit_read_part(scene, drawn, of_rad + 1, &arena, &again, &error));
     cr_expect(strstr(error.text, "is not of this light"), "%s", error.text);
     scene->lit[0].g = 0.5f;
-    cr_expect_null(lit_load_part(a->parted.baker.parts, 0, &arena, &again, &error));
+    cr_expect_null(lit_read_drawn(a->parted.baker.parts, 0, &arena, &again));
+    cr_expect_null(lit_make_drawn(a->parted.baker.parts, 0, &arena, &again, &error));
     cr_expect(strstr(warned, "with other lamps on"), "%s", warned);
     cr_expect(strstr(error.text, "was made with lamp 1"), "%s", error.text);
+    arena_free(&arena);
+    end(a);
+}
+
+// The light of a part on its mesh: all of it is read, as the walk does while it uploads.
+static double read_light(const LitMesh *mesh, const LitLight *light) {
+    double sum = 0;
+    for (int v = 0; v < lit_vertex_count(mesh); v++)
+        sum += (double)light->vertex[v][0] * (double)mesh->vertex[v].normal[2];
+    return sum;
+}
+
+static LitMesh *get(LitParts *parts, int part, int held, LitLight *out) {
+    Error error = {""};
+    LitMesh *mesh = lit_parts_get(parts, part, held, out, &error);
+    cr_assert(mesh, "%s", error.text);
+    return mesh;
+}
+
+// Proves that a part which was read stays where it is, and is not read again, while there is room; that where another one would fill
+// more than three quarters of the budget those wanted longest ago are dropped, never the one that is held; that all memory comes back; and
+// that it is told once where files are missing.
+Test(light_parts, stay_in_memory_while_there_is_room, .timeout = 240) {
+    Apart *a = load();
+    Arena arena = {0};
+    LitLight light;
+    cr_assert_geq(a->report.parts, 3);
+    LitParts *parts = lit_parts_new(a->parted.baker.parts, &arena);
+    size_t before = memory_used();
+    const LitMesh *first = get(parts, 0, -1, &light);
+    double sum = read_light(first, &light);
+    get(parts, 1, -1, &light);
+    cr_expect_eq(get(parts, 0, -1, &light), first);
+    cr_expect_eq(lit_parts_count(parts).wanted, 3);
+    cr_expect_eq(lit_parts_count(parts).read, 2);
+    cr_expect_eq(lit_parts_count(parts).kept, 2);
+    // Room for part 2 once part 1, which was wanted longest ago, is gone.
+    size_t room = memory_used() + lit_part_size(a->parted.baker.parts, 2) -
+                  lit_part_size(a->parted.baker.parts, 1) * 9 / 10;
+    MemoryBudget tight = {
+        .file = "a test", .remedy = "none", .base = room / 3 * 4, .most = SIZE_MAX, .gentle = true};
+    memory_set_budget(&tight);
+    get(parts, 2, -1, &light);
+    cr_expect_eq(lit_parts_count(parts).kept, 2);
+    cr_expect_eq(get(parts, 0, -1, &light), first);
+    cr_expect_eq(read_light(first, &light), sum);
+    cr_expect_eq(lit_parts_count(parts).read, 3);
+    // Room for what is there: each time all go but the one that is held, though it was wanted longest ago.
+    tight.base = memory_used() / 3 * 4;
+    memory_set_budget(&tight);
+    get(parts, 2, -1, &light);
+    get(parts, 1, 0, &light);
+    cr_expect_eq(lit_parts_count(parts).read, 4);
+    cr_expect_eq(get(parts, 0, 1, &light), first);
+    cr_expect_eq(lit_parts_count(parts).read, 4);
+    get(parts, 2, 1, &light);
+    cr_expect_eq(read_light(get(parts, 0, -1, &light), &light), sum);
+    cr_expect_eq(lit_parts_count(parts).read, 6);
+    memory_set_budget(NULL);
+    lit_parts_free(parts);
+    cr_expect_eq(memory_used(), before);
+    cr_expect_eq(lit_parts_count(parts).kept, 0);
+    // Where files as drawn are missing, that is told once.
+    for (int part = 0; part < 2; part++) {
+        const char *rad = light_parts_file(a->parted.baker.parts, part, &arena);
+        cr_assert_eq(remove(arena_format(&arena, "%s.lit", rad)), 0);
+        warned[0] = 0;
+        get(parts, part, -1, &light);
+        cr_expect_eq(strstr(warned, "has no file .lit beside it") != NULL, part == 0, "%s", warned);
+    }
+    lit_parts_free(parts);
     arena_free(&arena);
     end(a);
 }
@@ -212,14 +287,6 @@ static bool comes(const LightThread *thread, int part) {
     double start = clock_seconds();
     while (light_thread_part(thread) != part && clock_seconds() < start + 60) light_thread_check_nap();
     return light_thread_part(thread) == part;
-}
-
-// The light of a part on its mesh: all of it is read, as the walk does while it uploads.
-static double read_light(const LitMesh *mesh, const LitLight *light) {
-    double sum = 0;
-    for (int v = 0; v < lit_vertex_count(mesh); v++)
-        sum += (double)light->vertex[v][0] * (double)mesh->vertex[v].normal[2];
-    return sum;
 }
 
 // The light of a part, read by itself.

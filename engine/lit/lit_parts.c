@@ -50,7 +50,7 @@ static bool is_too_much(size_t bytes) {
     return used > bound || bytes > bound - used;
 }
 
-static void make_room(LitParts *p, size_t bytes, int held) {
+static void drop_until(LitParts *p, size_t bytes, int held) {
     for (int part; is_too_much(bytes) && (part = oldest(p, held)) >= 0;) drop(p, part);
 }
 
@@ -67,15 +67,15 @@ static void tell_missing(LitParts *p, int part) {
 }
 
 // Making a part takes much more than reading it, so that all others go.
-static bool load(LitParts *p, int part, int held, Error *error) {
+static bool load_part(LitParts *p, int part, int held, Error *error) {
     Kept *k = &p->part[part];
     size_t size = lit_part_size(p->of, part);
     if (size == 0) tell_missing(p, part);
-    make_room(p, size, held);
+    drop_until(p, size, held);
     k->mesh = lit_read_drawn(p->of, part, &k->arena, &k->light);
     if (!k->mesh) {
         arena_free(&k->arena);
-        make_room(p, SIZE_MAX, held);
+        drop_until(p, SIZE_MAX, held);
         k->mesh = lit_make_drawn(p->of, part, &k->arena, &k->light, error);
     }
     if (!k->mesh) arena_free(&k->arena);
@@ -87,7 +87,7 @@ static bool load(LitParts *p, int part, int held, Error *error) {
 LitMesh *lit_parts_get(LitParts *p, int part, int held, LitLight *out, Error *error) {
     Kept *k = &p->part[part];
     k->wanted = ++p->counted.wanted;
-    if (!k->mesh && !load(p, part, held, error)) return NULL;
+    if (!k->mesh && !load_part(p, part, held, error)) return NULL;
     *out = k->light;
     return k->mesh;
 }

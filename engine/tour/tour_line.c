@@ -41,7 +41,7 @@ static void add(Line *l, Vec3 foot, double clearance, bool fixed, int room) {
 // an eye keeps this far from walls, metres.
 static const double EYE_KEEPS = 0.1;
 
-static bool is_free(const TourFloor *f, Vec3 foot, int place) {
+static bool is_free_at(const TourFloor *f, Vec3 foot, int place) {
     static const Vec2 AROUND[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     const FloorPlace *p = &f->places[place];
     if (f->apart <= BODY_RADIUS) return true;
@@ -58,7 +58,7 @@ static bool is_free_between(const TourFloor *f, Vec3 a, Vec3 b) {
     for (int i = 1; i < pieces; i++) {
         Vec3 at = vec3_lerp(a, b, (double)i / pieces);
         int place = tour_floor_at(f, at);
-        if (place < 0 || !is_free(f, at, place)) return false;
+        if (place < 0 || !is_free_at(f, at, place)) return false;
     }
     return true;
 }
@@ -160,7 +160,7 @@ static bool may_pass(const TourFloor *f, Vec3 *foot, double clearance) {
     if (p < 0) return false;
     const FloorPlace *place = &f->places[p];
     if (plan_apart(place->foot, *foot) > f->apart || (double)place->clearance < clearance ||
-        !is_free(f, *foot, p))
+        !is_free_at(f, *foot, p))
         return false;
     foot->z = place->foot.z;
     return true;

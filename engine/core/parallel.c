@@ -5,7 +5,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
-#include <stdbool.h>
+#include <string.h>
 
 #include "engine/core/memory.h"
 
@@ -54,4 +54,95 @@ void parallel_for(int threads, int count, void (*body)(void *context, int index,
     workers[0] = (Worker){&loop, 0};
     work(&workers[0]);
     for (int i = 1; i < started; i++) pthread_join(handles[i], 0);
+}
+
+// ---- processes
+
+static const ParallelRanks *all_ranks;
+static bool inside;  // a loop that processes share
+
+void parallel_set_ranks(const ParallelRanks *ranks) { all_ranks = ranks; }
+
+// Indices of a shared loop that this process took at a time.
+typedef struct Stretch {
+    const SharedLoop *loop;
+    int first, count;
+} Stretch;
+
+static void work_at(void *context, int index, int thread) {
+    const Stretch *s = context;
+    s->loop->body(s->loop->context, s->first + index, thread);
+}
+
+// Stretches become short enough that processes end at about the same time.
+static int stretch_length(int threads, int count) {
+    enum { STRETCHES = 16 };
+    int length = count / (STRETCHES * all_ranks->count);
+    return length < threads ? threads : length;
+}
+
+// A result is its index, its size and its bytes.
+typedef struct ResultHead {
+    size_t size;
+    long long index;
+} ResultHead;
+
+static void put_result(const SharedLoop *loop, int index, Bytes *all, size_t *room, Arena *arena) {
+    Arena scratch = {0};
+    Bytes bytes = loop->pack(loop->context, index, &scratch);
+    ResultHead head = {bytes.size, index};
+    size_t size = all->size + sizeof head + bytes.size;
+    if (size > *room) {
+        unsigned char *old = all->data;
+        *room = 2 * size;
+        all->data = arena_alloc(arena, *room, 1);
+        if (all->size > 0) memcpy(all->data, old, all->size);
+    }
+    memcpy(all->data + all->size, &head, sizeof head);
+    if (bytes.size > 0) memcpy(all->data + all->size + sizeof head, bytes.data, bytes.size);
+    all->size = size;
+    arena_free(&scratch);
+}
+
+static void take_results(const SharedLoop *loop, Bytes from) {
+    for (size_t at = 0; at < from.size;) {
+        ResultHead head;
+        memcpy(&head, from.data + at, sizeof head);
+        at += sizeof head;
+        loop->unpack(loop->context, (int)head.index, (Bytes){from.data + at, head.size});
+        at += head.size;
+    }
+}
+
+void parallel_share(int threads, const SharedLoop *loop) {
+    if (!all_ranks || inside) {
+        parallel_for(threads, loop->count, loop->body, loop->context);
+        return;
+    }
+    Arena arena = {0};
+    Bytes own = {0};
+    size_t room = 0;
+    int length = stretch_length(threads, loop->count);
+    inside = true;
+    for (int first; (first = all_ranks->take(length)) < loop->count;) {
+        int left = loop->count - first;
+        Stretch stretch = {loop, first, left < length ? left : length};
+        parallel_for(threads, stretch.count, work_at, &stretch);
+        for (int i = 0; i < stretch.count; i++) put_result(loop, first + i, &own, &room, &arena);
+    }
+    inside = false;
+    const Bytes *all = all_ranks->collect(own, &arena);
+    for (int r = 0; r < all_ranks->count; r++)
+        if (r != all_ranks->own) take_results(loop, all[r]);
+    arena_free(&arena);
+}
+
+bool parallel_agree(bool value) {
+    if (!all_ranks || inside) return value;
+    Arena arena = {0};
+    unsigned char own = value;
+    const Bytes *all = all_ranks->collect((Bytes){&own, 1}, &arena);
+    for (int r = 0; r < all_ranks->count; r++) value = value && *all[r].data;
+    arena_free(&arena);
+    return value;
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "engine/core/parallel.h"
 #include "engine/team/team.h"
 
 // Open MPI's mpirun tells it to those whom it starts.
@@ -41,16 +42,63 @@ static const size_t PIECE = (size_t)1 << 30;
 
 static int rank_count = 1, own_rank;
 
+// Indices of the loop at hand that were taken: in the memory of the first process, which all of them read and write.
+static MPI_Win counter_window;
+static int *counter;
+
+static int take_pieces(int pieces) {
+    int first;
+    MPI_Fetch_and_op(&pieces, &first, MPI_INT, 0, 0, MPI_SUM, counter_window);
+    MPI_Win_flush(0, counter_window);
+    return first;
+}
+
+static const Bytes *collect_bytes(Bytes own, Arena *arena) {
+    Bytes *all = ARENA_ARRAY(arena, Bytes, rank_count);
+    all[own_rank] = own;
+    for (int step = 1; step < rank_count; step++) {
+        int to = (own_rank + step) % rank_count, from = (own_rank + rank_count - step) % rank_count;
+        all[from].data = ranks_swap(to, own.data, own.size, from, arena, &all[from].size);
+    }
+    // All have what they take of this loop, and nobody has begun the next.
+    static const int NONE = 0;
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (own_rank == 0) {
+        MPI_Accumulate(&NONE, 1, MPI_INT, 0, 0, 1, MPI_INT, MPI_REPLACE, counter_window);
+        MPI_Win_flush(0, counter_window);
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+    return all;
+}
+
+static void share_loops(void) {
+    static ParallelRanks ranks;
+    MPI_Aint size = own_rank == 0 ? (MPI_Aint)sizeof *counter : 0;
+    MPI_Win_allocate(size, (int)sizeof *counter, MPI_INFO_NULL, MPI_COMM_WORLD, &counter, &counter_window);
+    if (own_rank == 0) *counter = 0;
+    MPI_Win_lock_all(0, counter_window);
+    MPI_Barrier(MPI_COMM_WORLD);
+    ranks = (ParallelRanks){rank_count, own_rank, take_pieces, collect_bytes};
+    parallel_set_ranks(&ranks);
+}
+
 bool team_start(int *argc, char ***argv) {
     if (!team_is_started()) return true;
     MPI_Init(argc, argv);
     MPI_Comm_size(MPI_COMM_WORLD, &rank_count);
     MPI_Comm_rank(MPI_COMM_WORLD, &own_rank);
+    if (rank_count > 1) share_loops();
     return true;
 }
 
 void team_end(void) {
-    if (team_is_started()) MPI_Finalize();
+    if (!team_is_started()) return;
+    if (rank_count > 1) {
+        parallel_set_ranks(NULL);
+        MPI_Win_unlock_all(counter_window);
+        MPI_Win_free(&counter_window);
+    }
+    MPI_Finalize();
 }
 
 int team_ranks(void) { return rank_count; }

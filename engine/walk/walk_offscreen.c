@@ -32,6 +32,7 @@ WalkOptions walk_default_options(void) {
 // The figures of one frame, which was drawn in a look or verified.
 typedef struct Frame {
     VisResult visible;
+    double light_seconds;  // until its light was there
     double query_seconds, draw_seconds;
     int mismatched_pixels, missing_polygons, missing, raycast_missing;
     int mirrors, mirror_pixels;
@@ -93,11 +94,11 @@ static void add_to_means(Walk *w, int index, const TourFrame *at, bool cut, cons
     t->portals_tested_mean += v->portals_tested;
     t->objects_tested_mean += v->objects_tested;
     if (!w->options->stats) return;
-    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d,%d,%.3f\n", index,
+    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d,%d,%.3f,%.3f\n", index,
                 at->eye.x, at->eye.y, at->eye.z, at->yaw, at->pitch, w->cell, v->cell_count, v->object_count,
                 v->polygon_count, w->graph->polygon_count, 1e6 * f->query_seconds,
                 1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons, cut,
-                f->one_polygon);
+                f->one_polygon, 1e3 * f->light_seconds);
 }
 
 static void divide_means(WalkTotals *t) {
@@ -223,7 +224,7 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
     text_append(
         &w->stats,
         "frame,x,y,z,yaw,pitch,cell,cells_visible,objects,polygons_drawn,polygons_total,query_us,frame_ms,"
-        "mismatched_pixels,missing_polygons,cut,one_polygon\n");
+        "mismatched_pixels,missing_polygons,cut,one_polygon,light_ms\n");
     for (int i = 0; i < path->frame_count; i++) {
         const TourFrame *at = &path->frames[i];
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, o->width, o->height);
@@ -232,13 +233,18 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
         if (w->replay) recording_doors(w->replay, i, w->door_open);
         if (path->is_film && o->doors == WALK_DOORS) tour_doors(path, i, w->rate, w->door_open);
         Frame frame;
-        if (w->light && is_written(w, i) && !film_light_come(w->light, w->cell, error)) return false;
+        double start = clock_seconds();
+        // Frames that are timed have the light that is stored, those that are written that of doors and hours, too.
+        if (w->light && (is_written(w, i) || o->stats) && !film_light_come(w->light, w->cell, error))
+            return false;
         if (w->light && is_written(w, i) &&
             !film_light_follow(w->light, w->door_open, hour_of(o, i, path->frame_count), progress, error))
             return false;
+        double lit = clock_seconds() - start;
         bool good = w->verify ? verify_frame(w, &camera, w->cell, w->door_open, &frame, error)
                               : draw_frame(w, &camera, &frame, error);
         if (!good || !write_frame(w, i, error)) return false;
+        frame.light_seconds = lit;
         w->totals->frames++;
         add_to_totals(w, i, "frame", &camera, &frame);
         if (w->verify) frame.one_polygon = film_figures_view(&w->totals->film, walk_verify_items(w->verify));

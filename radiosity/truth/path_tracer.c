@@ -101,10 +101,22 @@ static void answer(void *context, int index, int thread) {
     }
 }
 
+static Bytes pack_answer(void *context, int index, Arena *arena) {
+    const Asked *asked = context;
+    (void)arena;
+    return (Bytes){(unsigned char *)&asked->results[index], sizeof *asked->results};
+}
+
+static void unpack_answer(void *context, int index, Bytes result) {
+    const Asked *asked = context;
+    memcpy(&asked->results[index], result.data, sizeof *asked->results);
+}
+
 void path_tracer_irradiance(const PathTracer *tracer, const PathQuery *queries, int count, int threads,
                             PathResult *results) {
     Asked asked = {tracer, queries, results};
-    parallel_for(parallel_threads(threads), count, answer, &asked);
+    SharedLoop loop = {count, answer, pack_answer, unpack_answer, &asked};
+    parallel_share(parallel_threads(threads), &loop);
 }
 
 // ---- learning the scene
@@ -144,6 +156,21 @@ static void walk_task(void *context, int index, int thread) {
     }
 }
 
+static Bytes pack_task(void *context, int index, Arena *arena) {
+    const SceneRound *round = context;
+    const SceneTask *task = &round->tasks[index];
+    (void)arena;
+    return (Bytes){(unsigned char *)task->steps, (size_t)task->count * sizeof *task->steps};
+}
+
+static void unpack_task(void *context, int index, Bytes result) {
+    SceneRound *round = context;
+    SceneTask *task = &round->tasks[index];
+    task->count = (int)(result.size / sizeof *task->steps);
+    task->steps = ARENA_ARRAY(&task->arena, PathStep, task->count);
+    if (task->count > 0) memcpy(task->steps, result.data, result.size);
+}
+
 void path_tracer_learn(PathTracer *tracer, const PathQuery *queries, int count, long long walks,
                        int threads) {
     if (count == 0) return;
@@ -152,7 +179,8 @@ void path_tracer_learn(PathTracer *tracer, const PathQuery *queries, int count, 
     for (int r = 0; r < SCENE_ROUNDS; r++) {
         long long share = walks * (1 << r) / ((1 << SCENE_ROUNDS) - 1) / SCENE_TASKS;
         SceneRound round = {tracer, queries, count, (int)share, r, {{0}}};
-        parallel_for(parallel_threads(threads), SCENE_TASKS, walk_task, &round);
+        SharedLoop loop = {SCENE_TASKS, walk_task, pack_task, unpack_task, &round};
+        parallel_share(parallel_threads(threads), &loop);
         // In the order of tasks, so that sums are the same on any number of threads.
         for (int k = 0; k < SCENE_TASKS; k++) {
             path_guide_add(guide, round.tasks[k].steps, round.tasks[k].count);

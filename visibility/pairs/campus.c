@@ -38,6 +38,35 @@ static void bound_way(void *context, int index, int thread) {
     memcpy(b->cells[way], b->found[thread], (size_t)count * sizeof *b->found[thread]);
 }
 
+// What was found of a way, for other processes: work, the number of cells, the cells.
+typedef struct PackedWay {
+    long long spent;
+    int count;
+} PackedWay;
+
+static Bytes pack_way(void *context, int index, Arena *arena) {
+    const Bounds *b = context;
+    int way = b->way[index], count = b->count[way];
+    PackedWay head = {b->spent[index], count};
+    size_t cells = count > 0 ? (size_t)count * sizeof *b->cells[way] : 0;
+    Bytes out = {arena_alloc(arena, sizeof head + cells, 1), sizeof head + cells};
+    memcpy(out.data, &head, sizeof head);
+    if (cells > 0) memcpy(out.data + sizeof head, b->cells[way], cells);
+    return out;
+}
+
+static void unpack_way(void *context, int index, Bytes result) {
+    Bounds *b = context;
+    int way = b->way[index];
+    PackedWay head;
+    memcpy(&head, result.data, sizeof head);
+    b->spent[index] = head.spent;
+    b->count[way] = head.count;
+    if (b->cells[way] || head.count < 0) return;
+    b->cells[way] = ARENA_ARRAY(&b->own[0], int, head.count);
+    memcpy(b->cells[way], result.data + sizeof head, result.size - sizeof head);
+}
+
 // Work of a way in the mean, see ways_work: of rooms some tens of microseconds. Of more than VIS_MANY_CELLS, which have no other search,
 // it may be more.
 static long long bound_work(const WayGraph *ways) {
@@ -48,8 +77,9 @@ enum { RUN = 1024 };
 
 // Bounds the ways of a run, and adds what was done to `spent`. False where one of them takes too long.
 static bool bound_run(Bounds *b, int count, long long allowed, long long *spent) {
+    SharedLoop loop = {count, bound_way, pack_way, unpack_way, b};
     for (int i = 0; i < b->threads; i++) b->flows[i].allowed = allowed - *spent;
-    parallel_for(b->threads, count, bound_way, b);
+    parallel_share(b->threads, &loop);
     for (int i = 0; i < count; i++) {
         *spent += b->spent[i];
         if (b->count[b->way[i]] < 0) return false;
@@ -78,7 +108,7 @@ static bool bound_ways(Bounds *b, const Progress *progress, Arena *scratch) {
     if (!b->many && much_is_seen(b, &spent)) return false;
     for (int first = 0; first < ways; first += RUN) {
         int count = ways - first < RUN ? ways - first : RUN;
-        if (!progress_report(progress, "bounds", (double)first / ways)) return false;
+        if (!parallel_agree(progress_report(progress, "bounds", (double)first / ways))) return false;
         // The first ways may take what is meant for others.
         int ahead = ways < first + AHEAD ? ways : first + AHEAD;
         for (int i = 0; i < count; i++) b->way[i] = first + i;
@@ -263,6 +293,7 @@ static bool search_groups(const CellGraph *graph, const Bounds *bounds, const Pa
         out->stopped =
             !search_group(&s, first, groups.first[s.group + 1] - groups.first[s.group], &out->work);
     }
+    out->stopped = !parallel_agree(!out->stopped);
     arena_free(&s.window);
     keep_proofs(&s);
     cell_rows_make_symmetric(&s.seen, &scratch);
@@ -310,7 +341,7 @@ static void in_matrix(const CellGraph *graph, double share, const PairOptions *o
                          .undecided = pair_count(set.seen, set.cell_count, set.words) -
                                       pair_count(set.proven, set.cell_count, set.words),
                          .work = set.work,
-                         .stopped = set.stopped};
+                         .stopped = !parallel_agree(!set.stopped)};
     arena_free(&scratch);
 }
 
@@ -331,10 +362,25 @@ static bool whole_pairs(const CellGraph *graph, double share, const PairOptions 
     return true;
 }
 
-// The search house by house.
+// What is known of a house, but for its rows.
+typedef struct HouseFound {
+    long long undecided;
+    ChainWork work;
+    bool good, stopped;
+} HouseFound;
+
+// The search house by house: no line leads from one into another. Processes share the houses.
 typedef struct Houses {
+    const CellGraph *graph;
+    const CellGroups *groups;
+    PairOptions options;
     const Progress *progress;
-    double before, share;  // of all cells: those of the houses before this one, and its own
+    HouseFound *found;  // [groups->count]
+    int *place, *list;  // [cell_count] of window_enter; -1, and scratch
+    Arena *rows;        // of the rows of all
+    bool gave_up;       // on a house, so that the rest are not searched
+    CampusPairs *out;
+    double before, share;  // of all cells: those of houses before the one at hand, and its own
 } Houses;
 
 static bool report_house(void *context, const char *stage, double done) {
@@ -342,44 +388,101 @@ static bool report_house(void *context, const char *stage, double done) {
     return progress_report(h->progress, stage, h->before + h->share * done);
 }
 
-// Takes over the rows of a house.
-static void store_house(const CellWindow *house, const CampusPairs *pairs, int *list, Arena *arena,
-                        CampusPairs *out) {
-    for (int c = 0; c < house->graph.cell_count; c++) {
-        int count = cell_rows_list(&pairs->seen, c, list);
-        for (int i = 0; i < count; i++) list[i] = house->cell[list[i]];
-        cell_rows_set_list(&out->seen, house->cell[c], list, count, arena);
-    }
-    out->undecided += pairs->undecided;
-    chain_work_add(&out->work, pairs->work);
-    out->stopped = out->stopped || pairs->stopped;
+static const int *cells_of_house(const Houses *h, int house, int *count) {
+    *count = h->groups->first[house + 1] - h->groups->first[house];
+    return h->groups->cell + h->groups->first[house];
 }
 
-// No line leads from one house into another.
+// Takes over the rows of a house.
+static void store_house(Houses *h, const CellWindow *house, const CampusPairs *pairs) {
+    for (int c = 0; c < house->graph.cell_count; c++) {
+        int count = cell_rows_list(&pairs->seen, c, h->list);
+        for (int i = 0; i < count; i++) h->list[i] = house->cell[h->list[i]];
+        cell_rows_set_list(&h->out->seen, house->cell[c], h->list, count, h->rows);
+    }
+}
+
+// One house at a time, each on all threads.
+static void search_house(void *context, int house, int thread) {
+    (void)thread;
+    Houses *h = context;
+    Arena own = {0};
+    CellWindow window;
+    CampusPairs pairs = {.stopped = false};
+    if (h->gave_up) return;
+    Progress report = {report_house, h};
+    int count;
+    const int *cells = cells_of_house(h, house, &count);
+    h->before = (double)h->groups->first[house] / h->graph->cell_count;
+    h->share = (double)count / h->graph->cell_count;
+    window_of_house(h->graph, cells, count, h->place, &own, &window);
+    bool good = whole_pairs(&window.graph, h->share, &h->options, &report, &own, &pairs);
+    if (good) store_house(h, &window, &pairs);
+    h->gave_up = !good;
+    h->found[house] = (HouseFound){pairs.undecided, pairs.work, good, pairs.stopped};
+    window_leave(&window, h->place);
+    arena_free(&own);
+}
+
+// What is known of it, and each of its rows: the number of cells, the cells.
+static Bytes pack_house(void *context, int house, Arena *arena) {
+    Houses *h = context;
+    const HouseFound *found = &h->found[house];
+    int count;
+    const int *cells = cells_of_house(h, house, &count);
+    size_t most = 0, numbers = 0;
+    for (int i = 0; i < count && found->good; i++)
+        most += 1 + (size_t)cell_rows_size(&h->out->seen, cells[i]);
+    Bytes out = {arena_alloc(arena, sizeof *found + most * sizeof(int), 1), sizeof *found};
+    memcpy(out.data, found, sizeof *found);
+    int *number = (int *)(void *)(out.data + sizeof *found);
+    for (int i = 0; i < count && found->good; i++) {
+        number[numbers] = cell_rows_list(&h->out->seen, cells[i], number + numbers + 1);
+        numbers += 1 + (size_t)number[numbers];
+    }
+    out.size += numbers * sizeof *number;
+    return out;
+}
+
+static void unpack_house(void *context, int house, Bytes result) {
+    Houses *h = context;
+    int count;
+    const int *cells = cells_of_house(h, house, &count);
+    memcpy(&h->found[house], result.data, sizeof *h->found);
+    const unsigned char *at = result.data + sizeof *h->found;
+    for (int i = 0; i < count && h->found[house].good; i++) {
+        int seen;
+        memcpy(&seen, at, sizeof seen);
+        memcpy(h->list, at + sizeof seen, (size_t)seen * sizeof *h->list);
+        at += (1 + (size_t)seen) * sizeof seen;
+        cell_rows_set_list(&h->out->seen, cells[i], h->list, seen, h->rows);
+    }
+}
+
 static bool in_houses(const CellGraph *graph, const CellGroups *houses, const PairOptions *options,
                       const Progress *progress, Arena *arena, CampusPairs *out) {
-    Arena scratch = {0}, own = {0};
-    int *place = ARENA_ARRAY(&scratch, int, graph->cell_count),
-        *list = ARENA_ARRAY(&scratch, int, graph->cell_count);
-    PairOptions of_house = {.threads = options->threads};  // what is known is of all cells
-    Houses h = {.progress = progress};
-    Progress report = {report_house, &h};
+    Arena scratch = {0};
     bool good = true;
-    for (int c = 0; c < graph->cell_count; c++) place[c] = -1;
+    Houses h = {.graph = graph,
+                .groups = houses,
+                .options = {.threads = options->threads},  // what is known is of all cells
+                .progress = progress,
+                .found = ARENA_ARRAY(&scratch, HouseFound, houses->count),
+                .place = ARENA_ARRAY(&scratch, int, graph->cell_count),
+                .list = ARENA_ARRAY(&scratch, int, graph->cell_count),
+                .rows = arena,
+                .out = out};
+    SharedLoop loop = {houses->count, search_house, pack_house, unpack_house, &h};
+    for (int c = 0; c < graph->cell_count; c++) h.place[c] = -1;
     *out = (CampusPairs){.seen = cell_rows_new(graph->cell_count, arena)};
-    for (int i = 0; i < houses->count && good; i++) {
-        CellWindow house;
-        CampusPairs pairs;
-        int first = houses->first[i], count = houses->first[i + 1] - first;
-        h.before = (double)first / graph->cell_count;
-        h.share = (double)count / graph->cell_count;
-        window_of_house(graph, houses->cell + first, count, place, &own, &house);
-        good = whole_pairs(&house.graph, h.share, &of_house, &report, &own, &pairs);
-        if (good) store_house(&house, &pairs, list, arena, out);
-        window_leave(&house, place);
-        arena_reset(&own);
+    parallel_share(1, &loop);
+    for (int i = 0; i < houses->count; i++) {
+        const HouseFound *found = &h.found[i];
+        good = good && found->good;
+        out->undecided += found->undecided;
+        out->stopped = out->stopped || found->stopped;
+        chain_work_add(&out->work, found->work);
     }
-    arena_free(&own);
     arena_free(&scratch);
     return good;
 }

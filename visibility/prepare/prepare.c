@@ -5,6 +5,7 @@
 
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
+#include "engine/core/parallel.h"
 #include "visibility/pairs/campus.h"
 
 VisPrepareOptions vis_prepare_default_options(void) {
@@ -37,8 +38,10 @@ static void read_or_make_forest(const VisPrepareOptions *options, const Progress
     const char *file = options->file;
     if (file && !options->fresh && access(file, R_OK) == 0) {
         out->read = out->kept = vis_load(file, &out->graph, arena, &out->forest, &out->not_read);
-        if (out->read) return;
     }
+    // Processes that share the work all read it, or all make it.
+    out->read = parallel_agree(out->read);
+    if (out->read) return;
     bool write = file && !options->read_only && file_check(file, 0, &out->not_kept);
     make_forest(options, progress, arena, out);
     if (write && !out->stopped) out->kept = vis_save(file, &out->graph, &out->forest, &out->not_kept);

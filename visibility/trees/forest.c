@@ -357,8 +357,12 @@ typedef struct Growth {
     Tree *trees;
     const int *run;     // the cells of this run, as the source numbers them
     long long allowed;  // work for one tree of it
-    long long left;     // of the work of all
-    int before;         // cells of earlier runs
+    // Where pairs are known:
+    const CellGraph *graph;
+    const CellRows *known;
+    CellGroups groups;
+    int *place, *list;  // [cell_count] of window_enter; -1, and scratch
+    int limit;          // of nodes
     const Progress *progress;
     pthread_mutex_t lock;  // of `progress`, `done` and `stopped`
     int done, threads;
@@ -374,6 +378,11 @@ static void leave_window(const CellWindow *window, Tree *tree) {
     }
 }
 
+static int cell_of_run(const Growth *growth, int index) {
+    const CellWindow *window = &growth->source->window;
+    return window->cell ? window->cell[growth->run[index]] : growth->run[index];
+}
+
 static void grow_next(void *context, int index, int thread) {
     Growth *growth = context;
     const TreeSource *source = growth->source;
@@ -386,10 +395,9 @@ static void grow_next(void *context, int index, int thread) {
     if (stopped) return;
     StabForest *forest = growth->forest;
     uint64_t *row = growth->rows[thread];
-    int here = growth->run[index], words = source->ways.words;
-    int cell = window->cell ? window->cell[here] : here;
+    int cell = cell_of_run(growth, index), words = source->ways.words;
     memset(row, 0, (size_t)words * sizeof *row);
-    growth->trees[cell] = tree_grow(growth->growers[thread], here, growth->allowed, row);
+    growth->trees[cell] = tree_grow(growth->growers[thread], growth->run[index], growth->allowed, row);
     if (!window->cell) {
         cell_rows_set(&forest->seen, cell, row, &growth->own[thread]);
         return;
@@ -402,65 +410,150 @@ static void grow_next(void *context, int index, int thread) {
     leave_window(window, &growth->trees[cell]);
 }
 
-// The trees of the cells `list` of the source. In runs, so that the nodes of trees are counted before the next are grown: one may take
-// much more than its share of what is left, since most take less.
-static void grow_group(Growth *growth, const int *list, int count) {
+// ---- trees for other processes: the tree, its nodes, the number of cells in the row, these
+
+static size_t packed_size(const Growth *growth, int cell) {
+    return sizeof(Tree) + (size_t)growth->trees[cell].count * sizeof(StabNode) +
+           (1 + (size_t)cell_rows_size(&growth->forest->seen, cell)) * sizeof(int);
+}
+
+// Returns where the next one goes.
+static unsigned char *put_tree(const Growth *growth, int cell, unsigned char *at) {
+    const Tree *tree = &growth->trees[cell];
+    int *list = growth->lists[0], count = cell_rows_list(&growth->forest->seen, cell, list);
+    size_t nodes = (size_t)tree->count * sizeof *tree->nodes, cells = (size_t)count * sizeof *list;
+    memcpy(at, tree, sizeof *tree);
+    if (nodes > 0) memcpy(at + sizeof *tree, tree->nodes, nodes);
+    at += sizeof *tree + nodes;
+    memcpy(at, &count, sizeof count);
+    memcpy(at + sizeof count, list, cells);
+    return at + sizeof count + cells;
+}
+
+static const unsigned char *take_tree(Growth *growth, int cell, const unsigned char *at) {
+    Tree *tree = &growth->trees[cell];
+    int *list = growth->lists[0], count;
+    memcpy(tree, at, sizeof *tree);
+    size_t nodes = (size_t)tree->count * sizeof *tree->nodes;
+    tree->nodes = nodes > 0 ? memory_new(nodes) : NULL;
+    if (nodes > 0) memcpy(tree->nodes, at + sizeof *tree, nodes);
+    at += sizeof *tree + nodes;
+    memcpy(&count, at, sizeof count);
+    size_t cells = (size_t)count * sizeof *list;
+    memcpy(list, at + sizeof count, cells);
+    cell_rows_set_list(&growth->forest->seen, cell, list, count, &growth->own[0]);
+    return at + sizeof count + cells;
+}
+
+static Bytes pack_tree(void *context, int index, Arena *arena) {
+    const Growth *growth = context;
+    int cell = cell_of_run(growth, index);
+    Bytes out = {arena_alloc(arena, packed_size(growth, cell), 1), 0};
+    out.size = (size_t)(put_tree(growth, cell, out.data) - out.data);
+    return out;
+}
+
+static void unpack_tree(void *context, int index, Bytes result) {
+    Growth *growth = context;
+    take_tree(growth, cell_of_run(growth, index), result.data);
+}
+
+static Bytes pack_group(void *context, int group, Arena *arena) {
+    const Growth *growth = context;
+    const CellGroups *groups = &growth->groups;
+    size_t size = 0;
+    for (int i = groups->first[group]; i < groups->first[group + 1]; i++)
+        size += packed_size(growth, groups->cell[i]);
+    Bytes out = {arena_alloc(arena, size, 1), 0};
+    unsigned char *at = out.data;
+    for (int i = groups->first[group]; i < groups->first[group + 1]; i++)
+        at = put_tree(growth, groups->cell[i], at);
+    out.size = (size_t)(at - out.data);
+    return out;
+}
+
+static void unpack_group(void *context, int group, Bytes result) {
+    Growth *growth = context;
+    const CellGroups *groups = &growth->groups;
+    const unsigned char *at = result.data;
+    for (int i = groups->first[group]; i < groups->first[group + 1]; i++)
+        at = take_tree(growth, groups->cell[i], at);
+}
+
+// ---- all trees
+
+// The trees of the cells `list` of the source, by work in proportion to their share of its cells. In runs, so that the nodes of trees
+// are counted before the next are grown: one may take much more than its share of what is left, since most take less.
+static void grow_cells(Growth *growth, const int *list, int count) {
     enum { RUN = 64, TIMES = 64, MOST = 8 };
     const TreeSource *source = growth->source;
     Arena scratch = {0};
+    long long left = (long long)((double)tree_work(source) * count / source->ways.cell_count);
     growth->growers = ARENA_ARRAY(&scratch, TreeGrower *, growth->threads);
     growth->rows = ARENA_ARRAY(&scratch, uint64_t *, growth->threads);
     for (int i = 0; i < growth->threads; i++) {
         growth->growers[i] = tree_grower_new(source, &scratch);
         growth->rows[i] = ARENA_ARRAY(&scratch, uint64_t, source->ways.words);
     }
-    if (growth->before == 0) growth->left = tree_work(source);
     for (int first = 0; first < count && !growth->stopped; first += RUN) {
-        int rest = growth->forest->cell_count - growth->before,
-            run = count - first < RUN ? count - first : RUN;
-        long long share = growth->left / rest * TIMES;
-        growth->allowed = share < growth->left / MOST ? share : growth->left / MOST;
+        int run = count - first < RUN ? count - first : RUN;
+        long long share = left / (count - first) * TIMES;
+        SharedLoop loop = {run, grow_next, pack_tree, unpack_tree, growth};
+        growth->allowed = share < left / MOST ? share : left / MOST;
         growth->run = list + first;
-        parallel_for(growth->threads, run, grow_next, growth);
+        parallel_share(growth->threads, &loop);
+        growth->stopped = !parallel_agree(!growth->stopped);
         for (int i = 0; i < run; i++) {
-            int cell = source->window.cell ? source->window.cell[list[first + i]] : list[first + i];
-            const Tree *tree = &growth->trees[cell];
-            growth->left -= tree->spent * (tree->bounded ? tree_waste(source) : 1);
+            const Tree *tree = &growth->trees[cell_of_run(growth, i)];
+            left -= tree->spent * (tree->bounded ? tree_waste(source) : 1);
         }
-        growth->before += run;
     }
     for (int i = 0; i < growth->threads; i++) tree_grower_end(growth->growers[i]);
     arena_free(&scratch);
 }
 
-// Where pairs are known, trees of a group of cells in the window of all that it may see.
-static void grow_all(Growth *growth, const CellGraph *graph, const VisOptions *options, Arena *scratch) {
-    int cells = graph->cell_count, *place = ARENA_ARRAY(scratch, int, cells),
-        *list = ARENA_ARRAY(scratch, int, cells);
-    int limit = tree_limit(options, cells);
-    for (int c = 0; c < cells; c++) place[c] = -1, list[c] = c;
-    if (!options->known) {
-        TreeSource source = {.limit = limit, .large = cells > VIS_MANY_CELLS};
-        tree_source_make(graph, &source, scratch);
+// The trees of a group of cells in the window of all that it may see.
+static void grow_group(void *context, int group, int thread) {
+    (void)thread;
+    Growth *growth = context;
+    Arena own = {0};
+    TreeSource source = {.limit = growth->limit};
+    const int *cells = growth->groups.cell + growth->groups.first[group];
+    int count = growth->groups.first[group + 1] - growth->groups.first[group],
+        *here = ARENA_ARRAY(&own, int, count);
+    if (growth->stopped) return;
+    growth->done = growth->groups.first[group];
+    window_enter(growth->graph, growth->known, cells, count, growth->place, &own, &source.window);
+    tree_source_make(&source.window.graph, &source, &own);
+    source.known = known_matrix(growth->known, &source.window, growth->place, growth->list, &own);
+    for (int i = 0; i < count; i++) here[i] = growth->place[cells[i]];
+    growth->source = &source;
+    grow_cells(growth, here, count);
+    window_leave(&source.window, growth->place);
+    arena_free(&own);
+}
+
+// Processes share groups, or, where one group has all cells, those.
+static void grow_all(Growth *growth, Arena *scratch) {
+    int cells = growth->graph->cell_count;
+    growth->place = ARENA_ARRAY(scratch, int, cells);
+    growth->list = ARENA_ARRAY(scratch, int, cells);
+    for (int c = 0; c < cells; c++) growth->place[c] = -1, growth->list[c] = c;
+    if (!growth->known) {
+        TreeSource source = {.limit = growth->limit, .large = cells > VIS_MANY_CELLS};
+        tree_source_make(growth->graph, &source, scratch);
         growth->source = &source;
-        grow_group(growth, list, cells);
+        grow_cells(growth, growth->list, cells);
         return;
     }
-    CellGroups groups = cell_groups(graph, window_pays(options->known) ? WINDOW_GROUP : cells, scratch);
-    for (int g = 0; g < groups.count && !growth->stopped; g++) {
-        Arena own = {0};
-        TreeSource source = {.limit = limit};
-        const int *group = groups.cell + groups.first[g];
-        int count = groups.first[g + 1] - groups.first[g], *here = ARENA_ARRAY(&own, int, count);
-        window_enter(graph, options->known, group, count, place, &own, &source.window);
-        tree_source_make(&source.window.graph, &source, &own);
-        source.known = known_matrix(options->known, &source.window, place, list, &own);
-        for (int i = 0; i < count; i++) here[i] = place[group[i]];
-        growth->source = &source;
-        grow_group(growth, here, count);
-        window_leave(&source.window, place);
-        arena_free(&own);
+    growth->groups = cell_groups(growth->graph, window_pays(growth->known) ? WINDOW_GROUP : cells, scratch);
+    if (growth->groups.count == 1) {
+        grow_group(growth, 0, 0);
+        return;
     }
+    SharedLoop loop = {growth->groups.count, grow_group, pack_group, unpack_group, growth};
+    parallel_share(1, &loop);
+    growth->stopped = !parallel_agree(!growth->stopped);
 }
 
 // Removes from the row of a cell the cells that its tree reaches only through cells that do not see it; returns whether there was any.
@@ -550,13 +643,16 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
     out->seen = cell_rows_new(count, &scratch);
     Growth growth = {.forest = out,
                      .trees = ARENA_ARRAY(&scratch, Tree, count),
+                     .graph = graph,
+                     .known = options->known,
+                     .limit = tree_limit(options, count),
                      .progress = progress,
                      .threads = parallel_threads(options->threads),
                      .lock = PTHREAD_MUTEX_INITIALIZER};
     growth.own = ARENA_ARRAY(&scratch, Arena, growth.threads);
     growth.lists = ARENA_ARRAY(&scratch, int *, growth.threads);
     for (int i = 0; i < growth.threads; i++) growth.lists[i] = ARENA_ARRAY(&scratch, int, count);
-    grow_all(&growth, graph, options, &scratch);
+    grow_all(&growth, &scratch);
     if (!growth.stopped) assemble(out, growth.trees, arena, &scratch);
     out->seen = cell_rows_copy(&out->seen, arena);
     for (int i = 0; i < growth.threads; i++) arena_free(&growth.own[i]);

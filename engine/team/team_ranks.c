@@ -113,8 +113,10 @@ void *ranks_swap(int to, const void *data, size_t size, int from, Arena *arena, 
     for (size_t at = 0; at < out || at < in; at += PIECE) {
         size_t send = at < out ? (out - at < PIECE ? out - at : PIECE) : 0,
                receive = at < in ? (in - at < PIECE ? in - at : PIECE) : 0;
-        MPI_Sendrecv(sent + (at < out ? at : 0), (int)send, MPI_BYTE, to, 1, got + (at < in ? at : 0),
-                     (int)receive, MPI_BYTE, from, 1, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        // Who has nothing more to send or to receive leaves that out: the others do not know of it.
+        MPI_Sendrecv(sent + (send > 0 ? at : 0), (int)send, MPI_BYTE, send > 0 ? to : MPI_PROC_NULL, 1,
+                     got + (receive > 0 ? at : 0), (int)receive, MPI_BYTE, receive > 0 ? from : MPI_PROC_NULL,
+                     1, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     }
     *received = (size_t)in;
     return got;

@@ -11,6 +11,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
+#include "engine/team/team.h"
 
 // ---- the process
 
@@ -22,7 +23,7 @@ static void open_standard_streams(void) {
             _exit(APP_BAD_INPUT);
 }
 
-int app_end(int code) {
+static int end_output(int code) {
     bool lost = ferror(stdout) != 0;
     errno = 0;
     if (fclose(stdout) == 0 && !lost) return code;
@@ -30,12 +31,25 @@ int app_end(int code) {
     return code == APP_GOOD ? APP_BAD_INPUT : code;
 }
 
-void app_begin(void) {
+static void fall_silent(void) {
+    if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) return;
+}
+
+int app_main(int argc, char **argv, int (*run)(int argc, char **argv)) {
+    bool good = team_start(&argc, &argv);
+    if (team_rank() > 0) fall_silent();
     open_standard_streams();
     // A limit of files' sizes is told of as a full disk is.
     signal(SIGXFSZ, SIG_IGN);
     json_set_alloc_funcs(memory_new, memory_free);
     memory_return_large();
+    int code = good ? run(argc, argv)
+                    : app_fail(APP_BAD_USE,
+                               "mpirun started several processes, and this program was made without MPI: "
+                               "make mpi=1 makes build/release-mpi/enfilade");
+    code = end_output(code);
+    team_end();
+    return code;
 }
 
 // ---- progress

@@ -17,10 +17,9 @@ int cmd_bake(int argc, char **argv);
 int cmd_light(int argc, char **argv);
 int cmd_render(int argc, char **argv);
 
-// Before anything else: standard streams are open, requests of libraries count as ours.
-void app_begin(void);
-// At the end of a program: a result that could not be printed makes a good exit code a bad one.
-int app_end(int code);
+// A program: standard streams are open, requests of libraries count as ours, and of processes that mpirun started the first one speaks.
+// A result that could not be printed makes a good exit code a bad one.
+int app_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
 // Sentences on standard error, after the bar.
 void app_warn(const char *sentence);

@@ -460,6 +460,11 @@ static json_t *facts_of(const Bake *bake) {
         json_object_set_new(facts, "ranks", json_integer(bake->parts.ranks));
         json_object_set_new(facts, "elements_made_share", json_real(bake->parts.elements_share));
         json_object_set_new(facts, "sent_mb", json_real(bake->parts.sent_mb));
+        // Before one starts several.
+        if (bake->parts.ranks == 1) {
+            json_object_set_new(facts, "sent_mb_of_2", json_real(bake->parts.sent_mb_of_2));
+            json_object_set_new(facts, "sent_mb_of_4", json_real(bake->parts.sent_mb_of_4));
+        }
         json_object_set_new(facts, "checkpoints", json_integer(bake->parts.kept));
     }
     return facts;

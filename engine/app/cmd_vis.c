@@ -7,6 +7,7 @@
 #include "engine/app/vis_level.h"
 #include "engine/core/clock.h"
 #include "engine/core/memory.h"
+#include "engine/core/parallel.h"
 #include "visibility/pairs/compare.h"
 #include "visibility/pairs/pairs.h"
 #include "visibility/pairs/seen_file.h"
@@ -71,7 +72,8 @@ static bool run_pairs(const VisPairsArguments *a, Arena *arena, Outcome *o, Erro
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
     memory_set_stage("finding which cells see each other");
     find_pairs(a, arena, o);
-    if (a->out && !seen_write(a->out, o->set.seen, o->set.cell_count, error)) return false;
+    if (a->out && parallel_is_first() && !seen_write(a->out, o->set.seen, o->set.cell_count, error))
+        return false;
     if (bound) compare(bound, o);
     return true;
 }
@@ -405,7 +407,7 @@ int cmd_vis(int argc, char **argv) {
     LoadedScene scene;
     Error error;
     bool good = check_place(&a, &arena, &error) && app_load(a.file, &a.load, &arena, &scene, &error) &&
-                (!a.out || vis_save(a.out, &scene.graph, &scene.forest, &error));
+                (!a.out || !parallel_is_first() || vis_save(a.out, &scene.graph, &scene.forest, &error));
     if (good) {
         print_vis(&a, &scene);
         app_print_notes(&scene.building, 10);

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "engine/app/app.h"
-#include "engine/team/team.h"
 #include "maps/maps.h"
 
 // Benchmarks are a program of their own, beside this one or on the PATH.
@@ -111,20 +110,4 @@ static int run_command(int argc, char **argv) {
     return APP_BAD_USE;
 }
 
-// The first process of several speaks.
-static void fall_silent(void) {
-    if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) return;
-}
-
-int main(int argc, char **argv) {
-    bool good = team_start(&argc, &argv);
-    if (team_rank() > 0) fall_silent();
-    app_begin();
-    int code = good ? run_command(argc, argv)
-                    : app_fail(APP_BAD_USE,
-                               "mpirun started several processes, and this program was made without MPI: "
-                               "make mpi=1 makes build/release-mpi/enfilade");
-    code = app_end(code);
-    team_end();
-    return code;
-}
+int main(int argc, char **argv) { return app_main(argc, argv, run_command); }

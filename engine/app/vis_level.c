@@ -10,6 +10,7 @@
 #include "engine/app/app.h"
 #include "engine/core/clock.h"
 #include "engine/core/memory.h"
+#include "engine/core/parallel.h"
 #include "engine/scene/budget.h"
 #include "maps/quake/quake.h"
 #include "visibility/pairs/compare.h"
@@ -180,7 +181,9 @@ static bool make_level(Job *j, Error *error) {
     budget_open(a->file, a->memory, false);
     if (!read_level(j, error)) return false;
     budget_work(a->file, a->memory, "finding its visibility");
-    return find_rows(j, error) && file_write(a->out, j->out.data, j->out.size, error) && keep_state(j, error);
+    if (!find_rows(j, error)) return false;
+    return !parallel_is_first() ||
+           (file_write(a->out, j->out.data, j->out.size, error) && keep_state(j, error));
 }
 
 int vis_level(const VisLevelArguments *a) {

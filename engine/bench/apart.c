@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "engine/core/memory.h"
+#include "engine/core/parallel.h"
 
 void *apart_memory(size_t size) {
     void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -27,6 +28,7 @@ bool apart_run(void (*work)(void *context), void *context, const char *what, Err
     if (child < 0) return error_set(error, "%s: no process can be started: %s", what, strerror(errno));
     if (child == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it then
+        parallel_set_ranks(NULL);          // it is none of those that mpirun started
         work(context);
         _exit(0);
     }

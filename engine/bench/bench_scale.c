@@ -39,11 +39,13 @@ typedef enum Stage {
     SHOT,
     SHOWN,
     PARTS,
+    SENT_OF_2,
+    SENT_OF_4,
     STAGES
 } Stage;
-static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees", "memory",
-                                                "query",   "drawn", "pair",  "mesh",  "shooting",
-                                                "shot",    "shown", "parts"};
+static const char *const STAGE_NAMES[STAGES] = {"reading", "cells", "pairs", "trees",     "memory",
+                                                "query",   "drawn", "pair",  "mesh",      "shooting",
+                                                "shot",    "shown", "parts", "sent-of-2", "sent-of-4"};
 
 // The figures of one building. `peak_mb` is the memory that the process had at most during a stage, less what it began with.
 typedef struct Scale {
@@ -237,7 +239,7 @@ static bool run_bake(Scale *s, double base) {
 }
 
 // The same as `enfilade bake --apart` makes it, part by part, the others in files of a folder that goes afterwards. Counted are elements of
-// all parts, those that several have.
+// all parts, those that several have; and the bytes that the first of two and of four processes would send to others.
 static bool run_parts(Scale *s, double base) {
     enum { CELLS_A_PART = 256 };
     Arena arena = {0};
@@ -254,6 +256,8 @@ static bool run_parts(Scale *s, double base) {
     bool good =
         bake_parts(&options, &scene, CELLS_A_PART, &keep, NULL, &arena, NULL, NULL, NULL, &report, &s->error);
     end_stage(s, PARTS, start, base, report.elements_share * report.elements);
+    s->stage[SENT_OF_2].count = 1e6 * report.sent_mb_of_2;
+    s->stage[SENT_OF_4].count = 1e6 * report.sent_mb_of_4;
     kept_remove(kept, kept_last(kept) + 1, 0);
     remove(light);
     rmdir(folder);
@@ -297,11 +301,15 @@ static bool same_kind(const char *a, const char *b) {
     return strcspn(bench_name(b), "-") == length && strncmp(bench_name(a), bench_name(b), length) == 0;
 }
 
+static bool is_sent(Stage stage) { return stage == SENT_OF_2 || stage == SENT_OF_4; }
+
 // The slope of the line through (log rooms, log figure) by least squares; NAN where there are not two.
 static double slope(const Scale *all, int count, const char *kind, Stage stage, bool memory) {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (int i = 0; i < count; i++) {
-        double figure = memory ? all[i].stage[stage].peak_mb : all[i].stage[stage].seconds;
+        double figure = memory           ? all[i].stage[stage].peak_mb
+                        : is_sent(stage) ? all[i].stage[stage].count
+                                         : all[i].stage[stage].seconds;
         if (!same_kind(all[i].file, kind) || figure <= 0 || all[i].rooms <= 0) continue;
         double u = log(all[i].rooms), v = log(figure);
         n++, x += u, y += v, xx += u * u, xy += u * v;
@@ -324,7 +332,10 @@ static void tell_slopes(const Scale *all, int count) {
                    memory = slope(all, count, all[i].file, stage, true);
             fprintf(stderr, "%.*s: %s grows with rooms to the power of", (int)strcspn(name, "-"), name,
                     STAGE_NAMES[stage]);
-            if (stage != MEMORY) fprintf(stderr, " %.2f in time", time);
+            if (is_sent(stage))
+                fprintf(stderr, " %.2f in bytes", time);
+            else if (stage != MEMORY)
+                fprintf(stderr, " %.2f in time", time);
             if (!isnan(memory)) fprintf(stderr, "%s %.2f in memory", stage != MEMORY ? "," : "", memory);
             fputc('\n', stderr);
         }
@@ -363,8 +374,9 @@ const Bench BENCH_SCALE = {
     .name = "scale",
     .about = "what each stage costs as buildings of one kind grow: reading, cells, pairs of cells that see "
              "each other, stab trees, all memory, the query of a frame, polygons drawn, one pair, a bake: "
-             "its mesh, shooting, one shot, light as it is shown; the same bake part by part; seconds of one "
-             "thread, MB at most above those of the "
+             "its mesh, shooting, one shot, light as it is shown; the same bake part by part, and the bytes "
+             "that the first of two and of four processes would send to "
+             "the others (sent-of-2, sent-of-4); seconds of one thread, MB at most above those of the "
              "empty program; the slopes go to standard error",
     BENCH_OPTIONS(ROWS),
     .run = measure_scale,

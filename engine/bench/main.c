@@ -125,7 +125,4 @@ static int run_named(int argc, char **argv) {
     return misuse_name(fault);
 }
 
-int main(int argc, char **argv) {
-    app_begin();
-    return app_end(run_named(argc, argv));
-}
+int main(int argc, char **argv) { return app_main(argc, argv, run_named); }

@@ -146,3 +146,5 @@ bool parallel_agree(bool value) {
     arena_free(&arena);
     return value;
 }
+
+bool parallel_is_first(void) { return !all_ranks || all_ranks->own == 0; }

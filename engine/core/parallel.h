@@ -36,6 +36,8 @@ typedef struct SharedLoop {
 void parallel_share(int threads, const SharedLoop *loop);
 // Is it true in all processes?
 bool parallel_agree(bool value);
+// Is this the process that writes what all of them have found?
+bool parallel_is_first(void);
 
 // How processes share loops; all but `count` and `own` are called by all of them alike.
 typedef struct ParallelRanks {

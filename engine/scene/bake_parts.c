@@ -400,6 +400,10 @@ static void bake_part(void *context, TeamMember *member) {
             join(b, member, &lit, &solution, doors, &arena);
     }
     b->report->sent_mb = (double)team_sent(member) / 1e6;
+    if (team_ranks() == 1) {
+        b->report->sent_mb_of_2 = (double)team_would_send(member, 2) / 1e6;
+        b->report->sent_mb_of_4 = (double)team_would_send(member, 4) / 1e6;
+    }
     arena_free(&arena);
 }
 
@@ -455,7 +459,7 @@ bool bake_parts(const BakeOptions *options, const LoadedScene *scene, int cells,
     whole->proxies = proxies_find(graph, whole->proxy, arena);
     whole->threads = options->rad.threads;
     report->parts = b.parts.count;
-    if (team_ranks() > 1) b.weight = part_weights(&b, &own);
+    b.weight = part_weights(&b, &own);
     // Rows of members that sleep take room on the disk, and as long to be read as to be made again.
     if (apart && b.options.rad.row_bytes == RAD_ROWS_FIT)
         b.options.rad.row_bytes = memory_left() / ROWS_APART;

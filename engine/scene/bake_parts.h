@@ -32,6 +32,8 @@ typedef struct PartsReport {
     double
         elements_share;  // elements of all meshes, those of others that parts see included, over the elements of the whole
     double sent_mb;  // by this process to others
+    // Where this process is alone: what the first of two and of four would have sent.
+    double sent_mb_of_2, sent_mb_of_4;
     // Where light is not joined: how much there is of the whole, and its power, W.
     double polygons, patches, elements, nodes, lamp_watts;
     RadSolution power;  // sums alone

@@ -29,6 +29,9 @@ typedef struct Team {
     int step;  // how far it is to the next, 1 or -1
     bool off;  // none will work
     long long sent;
+    // Bytes that members handed to one each, [count * count] by giver and taker, and to all, [count]. Of this process's members.
+    long long *handed, *told;
+    const double *weight;
     Seat *seats;          // [count], of which those of this process's members are filled
     TeamMember *members;  // [own_count]
     pthread_mutex_t mutex;
@@ -82,6 +85,13 @@ static TeamBytes letter_of(const Seat *from, int to) {
     return from->to ? from->to[to] : (TeamBytes){from->data, from->size};
 }
 
+static void count_letters(Team *team, int from) {
+    const Seat *seat = &team->seats[from];
+    if (!seat->to) team->told[from] += (long long)seat->size;
+    for (int to = 0; seat->to && to < team->count; to++)
+        team->handed[(size_t)from * (size_t)team->count + (size_t)to] += (long long)seat->to[to].size;
+}
+
 // Letters to another process: each with its size before it, by senders and then by receivers; one letter where all get the same.
 
 static size_t put(char *at, const void *data, size_t size) {
@@ -119,6 +129,7 @@ static void unpack(Team *team, int rank, const char *from) {
 // The last of this process's members has come.
 static void carry_letters(Team *team) {
     int ranks = team_ranks(), own = team_rank();
+    for (int i = 0; i < team->own_count; i++) count_letters(team, team->own[i]);
     for (int k = 0; k < team->own_count; k++) {
         int place = place_at(team, k), to = team->own[place];
         team->seats[to].got = room_of(team, place, (size_t)team->count, sizeof(TeamBytes));
@@ -210,16 +221,15 @@ static int by_weight(const void *a, const void *b) {
 }
 
 // Each member, the heaviest first, goes to the process that has least to do so far (Graham 1969: longest processing time first). So each
-// process gets one. The first member is with the first process.
-static void share_members(Team *team, const double *weight, Arena *arena) {
+// process gets one. The first member is with the first process. Returns the process of each member, in the arena.
+static int *share_members(int count, const double *weight, int ranks, Arena *arena) {
     Arena scratch = {0};
-    int ranks = team_ranks();
-    Weighed *members = ARENA_ARRAY(&scratch, Weighed, team->count);
-    int *rank_of = ARENA_ARRAY(&scratch, int, team->count), at = 0;
+    Weighed *members = ARENA_ARRAY(&scratch, Weighed, count);
+    int *rank_of = ARENA_ARRAY(arena, int, count);
     double *load = ARENA_ARRAY(&scratch, double, ranks);
-    for (int m = 0; m < team->count; m++) members[m] = (Weighed){weight ? weight[m] : 1, m};
-    qsort(members, (size_t)team->count, sizeof *members, by_weight);
-    for (int m = 0; m < team->count; m++) {
+    for (int m = 0; m < count; m++) members[m] = (Weighed){weight ? weight[m] : 1, m};
+    qsort(members, (size_t)count, sizeof *members, by_weight);
+    for (int m = 0; m < count; m++) {
         int least = 0;
         for (int r = 1; r < ranks; r++)
             if (load[r] < load[least]) least = r;
@@ -228,8 +238,16 @@ static void share_members(Team *team, const double *weight, Arena *arena) {
         rank_of[members[m].member] = least;
     }
     int with_first = rank_of[0];
-    for (int m = 0; m < team->count; m++)
+    for (int m = 0; m < count; m++)
         rank_of[m] = rank_of[m] == with_first ? 0 : rank_of[m] == 0 ? with_first : rank_of[m];
+    arena_free(&scratch);
+    return rank_of;
+}
+
+static void seat_members(Team *team, Arena *arena) {
+    Arena scratch = {0};
+    int ranks = team_ranks(), at = 0;
+    const int *rank_of = share_members(team->count, team->weight, ranks, &scratch);
     team->order = ARENA_ARRAY(arena, int, team->count);
     team->first = ARENA_ARRAY(arena, int, ranks + 1);
     for (int r = 0; r < ranks; r++) {
@@ -242,6 +260,22 @@ static void share_members(Team *team, const double *weight, Arena *arena) {
     arena_free(&scratch);
 }
 
+long long team_would_send(const TeamMember *member, int ranks) {
+    const Team *team = member->team;
+    Arena scratch = {0};
+    const int *rank_of = share_members(team->count, team->weight, ranks, &scratch);
+    long long bytes = 0;
+    CORE_ASSERT(team_ranks() == 1);
+    for (int from = 0; from < team->count; from++) {
+        if (rank_of[from] != 0) continue;
+        bytes += (ranks - 1) * team->told[from];
+        for (int to = 0; to < team->count; to++)
+            if (rank_of[to] != 0) bytes += team->handed[(size_t)from * (size_t)team->count + (size_t)to];
+    }
+    arena_free(&scratch);
+    return bytes;
+}
+
 // Members are as deep in calls as the whole program is.
 static const size_t STACK = (size_t)8 << 20;
 
@@ -251,10 +285,13 @@ bool team_run(int count, const double *weight, void (*work)(void *context, TeamM
     Team team = {.count = count,
                  .turn = -1,
                  .step = 1,
+                 .handed = ARENA_ARRAY(&arena, long long, (size_t)count *(size_t)count),
+                 .told = ARENA_ARRAY(&arena, long long, count),
+                 .weight = weight,
                  .seats = ARENA_ARRAY(&arena, Seat, count),
                  .work = work,
                  .context = context};
-    share_members(&team, weight, &arena);
+    seat_members(&team, &arena);
     CORE_ASSERT(team.own_count > 0);
     TeamMember *members = team.members = ARENA_ARRAY(&arena, TeamMember, team.own_count);
     pthread_attr_t attributes;

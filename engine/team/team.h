@@ -47,6 +47,8 @@ bool team_any(TeamMember *member, bool value);
 
 // Bytes that members sent to members of other processes so far.
 long long team_sent(const TeamMember *member);
+// Where there is one process: the bytes that the first of so many would have sent so far.
+long long team_would_send(const TeamMember *member, int ranks);
 
 // Processes that share a team, and which of them this is: 1 and 0 where mpirun did not start this process, and before team_start. A process
 // that ends without team_end ends all.

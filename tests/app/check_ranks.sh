@@ -26,6 +26,27 @@ for n in 1 2 3; do
         --parts 12 --threads 1 --json -o "$work/c$n.rad" && says out '"parts": 8'
     same "$work/c1.rad" "$work/c$n.rad" "$n processes with eight parts make another light than one"
 done
+# One process tells what the first of two sends: but for the heads of letters.
+expect 0 "$program" bake "$work/campus-10.plan" --night --element 0.6 --residual 0.01 --parts 12 --threads 1 --json -o "$work/c.rad"
+told=$(sed -n 's/.*"sent_mb_of_2": \([0-9.]*\).*/\1/p' "$work/out")
+expect 0 mpirun --allow-run-as-root --oversubscribe -n 2 $several bake "$work/campus-10.plan" --night --element 0.6 --residual 0.01 \
+    --parts 12 --threads 1 --json -o "$work/c.rad"
+sent=$(sed -n 's/.*"sent_mb": \([0-9.]*\).*/\1/p' "$work/out")
+awk -v t="$told" -v s="$sent" 'BEGIN { exit !(s >= t && s <= 1.02 * t) }' || fail "$sent MB were sent, and $told told beforehand"
+# Visibility and truth that processes share: the same bytes, and the same figures.
+for n in 1 2 3; do
+    for file in "$work/campus-10.plan" $maps/house.plan; do
+        expect 0 mpirun --allow-run-as-root --oversubscribe -n $n $several vis "$file" --threads 1 -o "$work/$n.vis"
+        [ $n -eq 1 ] && cp "$work/1.vis" "$work/one-$(basename "$file").vis"
+        same "$work/one-$(basename "$file").vis" "$work/$n.vis" "$n processes make another visibility of $file than one"
+    done
+    rm -rf "$XDG_CACHE_HOME"
+    expect 0 mpirun --allow-run-as-root --oversubscribe -n $n ${several}-bench light $maps/two-rooms.plan --methods default --points 20 \
+        --error 0.05 --csv "$work/light-$n.csv"
+    cut -d, -f"$(head -1 "$work/light-$n.csv" | tr , '\n' | grep -n 'gather_\|element_\|vertex_' | cut -d: -f1 | paste -sd,)" \
+        "$work/light-$n.csv" >"$work/figures-$n.csv"
+    same "$work/figures-1.csv" "$work/figures-$n.csv" "$n processes trace another truth than one"
+done
 # More processes than parts; a file that is not there: one sentence, and all end.
 ranks 1 2 -o "$work/x.rad" --parts 1000 && says err 'give --parts with fewer cells'
 expect 1 mpirun --allow-run-as-root --oversubscribe -n 2 $several bake "$work/absent.plan" && says err 'absent.plan'

@@ -23,15 +23,17 @@ do for [s=1:words(stages)] {
     memory[s] = M_slope
 }
 do for [format in "svg png"] {
-    if (format eq "svg") { set terminal svg size 1400,460 font 'DejaVu Sans,11' background '#ffffff' }
-    if (format eq "png") { set terminal pngcairo size 1400,460 font 'DejaVu Sans,10' background '#ffffff' }
+    if (format eq "svg") { set terminal svg size 1900,460 font 'DejaVu Sans,11' background '#ffffff' }
+    if (format eq "png") { set terminal pngcairo size 1900,460 font 'DejaVu Sans,10' background '#ffffff' }
     set output sprintf('%s.%s', out, format)
-    set multiplot layout 1,2
+    set multiplot layout 1,3
     set key outside right top samplen 2
     set ylabel 'seconds, one thread; of a query'
     plot for [s=1:words(stages)] csv every ::1 using 1:(of(word(stages, s), $3)) with linespoints pt int(word(marks, s)) lw 2 lc rgb word(colours, s) title sprintf('%s: slope %.2f', word(stages, s), time[s])
     set ylabel 'MB at most, without libraries'
     plot for [s=1:words(stages)] csv every ::1 using 1:(of(word(stages, s), $4)) with linespoints pt int(word(marks, s)) lw 2 lc rgb word(colours, s) title sprintf('%s: slope %.2f', word(stages, s), memory[s])
+    set ylabel 'bytes from the first process to others'
+    plot for [n in "2 4"] csv every ::1 using 1:(of('sent-of-'.n, $5)) with linespoints pt int(n) lw 2 lc rgb word(colours, int(n)) title n.' processes'
     unset multiplot
     unset output
 }

@@ -119,3 +119,25 @@ Test(team, members_sleep) {
     cr_expect(strstr(error.text, "/nowhere/at/all"), "%s", error.text);
     arena_free(&arena);
 }
+
+static void send_some(void *context, TeamMember *member) {
+    Arena arena = {0};
+    long long *sent = context;
+    double sum = 1;
+    exchange(member);
+    team_sum(member, &sum, 1);
+    if (team_index(member) == 0)
+        for (int ranks = 1; ranks <= MEMBERS; ranks++) sent[ranks] = team_would_send(member, ranks);
+    arena_free(&arena);
+}
+
+// Proves what one process tells of several. By weight members 0, 3 and 4 would be with the first of two: i gives j i + 1 + j letters, and
+// eight bytes of a sum go once to each other process. One process sends nothing; of five the first has member 0 alone.
+Test(team, tells_what_several_processes_would_send) {
+    long long sent[MEMBERS + 1] = {0};
+    Error error;
+    cr_assert(team_run(MEMBERS, (const double[]){3, 1, 5, 2, 1}, send_some, sent, NULL, &error));
+    cr_expect_eq(sent[1], 0);
+    cr_expect_eq(sent[2], (2 + 3) + (5 + 6) + (6 + 7) + 3 * 8);
+    cr_expect_eq(sent[MEMBERS], 2 + 3 + 4 + 5 + (MEMBERS - 1) * 8);
+}

@@ -144,6 +144,16 @@ static void cast_some(void *context, int index, int thread) {
     }
 }
 
+static Bytes pack_some(void *context, int index, Arena *arena) {
+    return finding_pack(&((const CastRun *)context)->findings[index], NULL, 0, arena);
+}
+
+static void unpack_some(void *context, int index, Bytes packed) {
+    Finding *finding = &((CastRun *)context)->findings[index];
+    *finding = (Finding){0};
+    finding_unpack(finding, NULL, 0, packed);
+}
+
 CastPath cast_path(const WayGraph *ways, Arena *arena) {
     return (CastPath){.cells = ARENA_ARRAY(arena, int, ways->cell_count + 1),
                       .places = ARENA_ARRAY(arena, double, ways->cell_count + 1)};
@@ -156,9 +166,12 @@ void cast_from_portals(Rounds *r) {
                    .findings = ARENA_ARRAY(&scratch, Finding, RUNS),
                    .paths = ARENA_ARRAY(&scratch, CastPath, r->threads)};
     for (int i = 0; i < r->threads; i++) run.paths[i] = cast_path(&r->ways, &scratch);
+    SharedLoop loop = {RUNS, cast_some, pack_some, unpack_some, &run};
     for (; run.before < portals; run.before += RUNS * PORTALS) {
-        if (!rounds_report(r, "lines", run.before, portals)) break;
-        parallel_for(r->threads, RUNS, cast_some, &run);
+        rounds_report(r, "lines", run.before, portals);
+        rounds_agree_stop(r);
+        if (r->stopped) break;
+        parallel_share(r->threads, &loop);
         for (int i = 0; i < RUNS; i++) rounds_take_proofs(r, &run.findings[i]);
     }
     arena_free(&scratch);

@@ -30,6 +30,58 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to) {
     finding->lines[count] = a < b ? (Sight){from, to} : (Sight){to, from};
 }
 
+typedef struct PackedFinding {
+    ChainWork work;
+    long long spent;
+    int pairs, lines;
+    bool done;
+} PackedFinding;
+
+Bytes finding_pack(const Finding *finding, const void *more, size_t more_size, Arena *arena) {
+    int lines = finding->lines ? finding->pair_count : 0;
+    PackedFinding head = {finding->work, finding->spent, finding->pair_count, lines, finding->done};
+    const struct {
+        const void *data;
+        size_t size;
+    } piece[] = {{&head, sizeof head},
+                 {more, more_size},
+                 {finding->pairs, (size_t)finding->pair_count * sizeof *finding->pairs},
+                 {finding->lines, (size_t)lines * sizeof *finding->lines}};
+    enum { PIECES = sizeof piece / sizeof *piece };
+    Bytes out = {NULL, 0};
+    size_t size = 0;
+    for (int i = 0; i < PIECES; i++) size += piece[i].size;
+    out.data = arena_alloc(arena, size, 1);
+    for (int i = 0; i < PIECES; i++) {
+        if (piece[i].size > 0) memcpy(out.data + out.size, piece[i].data, piece[i].size);
+        out.size += piece[i].size;
+    }
+    return out;
+}
+
+void finding_unpack(Finding *finding, void *more, size_t more_size, Bytes packed) {
+    PackedFinding head;
+    memcpy(&head, packed.data, sizeof head);
+    const unsigned char *at = packed.data + sizeof head;
+    if (more_size > 0) memcpy(more, at, more_size);
+    at += more_size;
+    finding->work = head.work;
+    finding->spent = head.spent;
+    finding->done = head.done;
+    finding->pair_count = finding->pair_capacity = head.pairs;
+    finding->line_capacity = head.lines;
+    if (head.pairs > 0) {
+        size_t size = (size_t)head.pairs * sizeof *finding->pairs;
+        finding->pairs = memory_new(size);
+        memcpy(finding->pairs, at, size);
+        at += size;
+    }
+    if (head.lines > 0) {
+        finding->lines = memory_new((size_t)head.lines * sizeof *finding->lines);
+        memcpy(finding->lines, at, (size_t)head.lines * sizeof *finding->lines);
+    }
+}
+
 static uint64_t *might_row(const Rounds *r, int way) {
     return r->might + (size_t)way * (size_t)r->ways.words;
 }
@@ -138,6 +190,8 @@ bool rounds_report(Rounds *r, const char *stage, int done, int count) {
     return tell(r, stage, (double)done / count);
 }
 
+void rounds_agree_stop(Rounds *r) { r->stopped = !parallel_agree(!r->stopped); }
+
 bool rounds_go_on(Flow *flow) {
     const Finding *finding = flow->context;
     return tell(finding->rounds, NULL, 0);
@@ -170,6 +224,7 @@ void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options,
     rounds_open(r, graph, &ways, options, progress, arena, NULL, set);
     arena_join(&r->own_scratch, &own);
     parallel_for(r->threads, r->ways.cell_count, flood_cell, r);
+    rounds_agree_stop(r);
     see_floods(r);
 }
 
@@ -274,6 +329,10 @@ typedef struct Round {
     atomic_int done;
 } Round;
 
+static uint64_t *kept_row(const Round *round, int index) {
+    return round->kept + (size_t)index * (size_t)round->rounds->ways.words;
+}
+
 static void search_turn(void *context, int index, int thread) {
     Round *round = context;
     Rounds *r = round->rounds;
@@ -281,11 +340,26 @@ static void search_turn(void *context, int index, int thread) {
     int way = round->turns[index].way, done = round->before + atomic_fetch_add(&round->done, 1);
     if (!rounds_report(r, r->stage, done, round->total)) return;
     Finding *finding = &round->findings[index];
-    *finding = (Finding){.rounds = r,
-                         .source = r->ways.ways[way].from,
-                         .kept = round->kept + (size_t)index * (size_t)r->ways.words};
+    *finding = (Finding){.rounds = r, .source = r->ways.ways[way].from, .kept = kept_row(round, index)};
     search_way(&round->flows[thread], r, way, finding);
     finding->done = true;
+}
+
+static size_t kept_size(const Round *round) {
+    return (size_t)round->rounds->ways.words * sizeof *round->kept;
+}
+
+static Bytes pack_turn(void *context, int index, Arena *arena) {
+    const Round *round = context;
+    int at = round->order[index].way;
+    return finding_pack(&round->findings[at], kept_row(round, at), kept_size(round), arena);
+}
+
+static void unpack_turn(void *context, int index, Bytes packed) {
+    Round *round = context;
+    int at = round->order[index].way;
+    round->findings[at].kept = kept_row(round, at);
+    finding_unpack(&round->findings[at], kept_row(round, at), kept_size(round), packed);
 }
 
 // How many cells a search is to decide.
@@ -313,7 +387,9 @@ static void search_round(Round *round, int count) {
     atomic_store(&round->done, 0);
     for (int i = 0; i < round->rounds->threads; i++)
         round->flows[i].allowed = rounds_share(round->left, round->total - round->before);
-    parallel_for(round->rounds->threads, count, search_turn, round);
+    SharedLoop loop = {count, search_turn, pack_turn, unpack_turn, round};
+    parallel_share(round->rounds->threads, &loop);
+    rounds_agree_stop(round->rounds);
     for (int i = 0; i < count; i++) {
         round->left -= round->findings[i].spent;
         if (round->findings[i].done) take(round->rounds, round->turns[i].way, &round->findings[i]);

@@ -58,6 +58,9 @@ typedef struct Finding {
 } Finding;
 
 void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
+// The finding as bytes in the arena, for other processes, with `more` of its search; and back, without `kept` and `rounds`.
+Bytes finding_pack(const Finding *finding, const void *more, size_t more_size, Arena *arena);
+void finding_unpack(Finding *finding, void *more, size_t more_size, Bytes packed);
 
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
@@ -91,6 +94,8 @@ void rounds_end(Rounds *rounds);
 
 // For loops on several threads: false when the caller asked to stop.
 bool rounds_report(Rounds *rounds, const char *stage, int done, int count);
+// After such a loop: `stopped` becomes that of any process that shares it.
+void rounds_agree_stop(Rounds *rounds);
 // Flow.go_on, while the flow's context is a Finding: reports the same again.
 bool rounds_go_on(Flow *flow);
 

@@ -144,6 +144,7 @@ static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
     const WayGraph *ways = &r->ways;
     long long patience = flow->patience;
     flow->spent = 0;
+    flow->work = (ChainWork){0};
     flow->context = &c->finding;
     for (int i = ways->first[from]; i < ways->first[from + 1]; i++) {
         int way = ways->list[i];
@@ -159,6 +160,7 @@ static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
     }
     flow->patience = patience;
     c->finding.spent = flow->spent;
+    c->finding.work = flow->work;
 }
 
 typedef struct Doubt {
@@ -196,6 +198,7 @@ static void exclude(PairSet *set, int a, int b) {
 
 static void take(Rounds *r, const Doubt *doubt, Case *c) {
     rounds_take_proofs(r, &c->finding);
+    chain_work_add(&r->set->work, c->finding.work);
     if (c->finding.done && c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
 }
 
@@ -225,12 +228,24 @@ static void settle_case(void *context, int index, int thread) {
     c->finding.done = true;
 }
 
+static Bytes pack_case(void *context, int index, Arena *arena) {
+    const Case *c = &((const Cases *)context)->cases[index];
+    return finding_pack(&c->finding, &c->verdict, sizeof c->verdict, arena);
+}
+
+static void unpack_case(void *context, int index, Bytes packed) {
+    Case *c = &((Cases *)context)->cases[index];
+    finding_unpack(&c->finding, &c->verdict, sizeof c->verdict, packed);
+}
+
 static void settle_run(Cases *run) {
     memset(run->cases, 0, (size_t)run->count * sizeof *run->cases);
     atomic_store(&run->done, 0);
     for (int i = 0; i < run->rounds->threads; i++)
         run->flows[i].allowed = rounds_share(run->left, run->total - run->before);
-    parallel_for(run->rounds->threads, run->count, settle_case, run);
+    SharedLoop loop = {run->count, settle_case, pack_case, unpack_case, run};
+    parallel_share(run->rounds->threads, &loop);
+    rounds_agree_stop(run->rounds);
     for (int i = 0; i < run->count; i++) {
         run->left -= run->cases[i].finding.spent;
         take(run->rounds, &run->doubts[i], &run->cases[i]);
@@ -264,9 +279,6 @@ void settle_pairs(Rounds *r) {
         run.count = left < MOST_CASES ? left : MOST_CASES;
         settle_run(&run);
     }
-    for (int i = 0; i < r->threads; i++) {
-        chain_work_add(&r->set->work, run.flows[i].work);
-        flow_end(&run.flows[i]);
-    }
+    for (int i = 0; i < r->threads; i++) flow_end(&run.flows[i]);
     arena_free(&scratch);
 }

@@ -42,7 +42,7 @@ static void read_or_make_forest(const VisPrepareOptions *options, const Progress
     // Processes that share the work all read it, or all make it.
     out->read = parallel_agree(out->read);
     if (out->read) return;
-    bool write = file && !options->read_only && file_check(file, 0, &out->not_kept);
+    bool write = file && parallel_is_first() && !options->read_only && file_check(file, 0, &out->not_kept);
     make_forest(options, progress, arena, out);
     if (write && !out->stopped) out->kept = vis_save(file, &out->graph, &out->forest, &out->not_kept);
 }

@@ -7,16 +7,15 @@
 #include "engine/draw/walk_mesh.h"
 #include "engine/lit/lit_leaf.h"
 
-enum { LIGHTS = 2 };
-
 struct WalkLit {
     Arena arena;
     LitMesh *mesh;
-    float *share;      // [leaf_count] how far leaves are open; NAN before the first pose and in new light
-    float (*leaf)[3];  // the light of a leaf or a plug under way, [vertices of the largest]
-    LitVertex *moved;  // and a leaf where it stands
-    // The plugs of opening i are the objects plug[first_plug[i]] .. plug[first_plug[i + 1] - 1].
-    int *plug, *first_plug;
+    float *open;  // [opening_count] how far doors are open
+    float *
+        share;  // [object_count] how far the door was open as a leaf or a plug was drawn last; NAN: never, in this light
+    const LitLight *light;   // of leaves and plugs; NULL: none yet
+    float (*leaf)[3];        // the light of a leaf or a plug under way, [vertices of the largest]
+    LitVertex *moved;        // and a leaf where it stands
     unsigned *list;          // indices of the frame's triangles
     int end[2 * WALK_RUNS];  // in `list`: where each run of things ends, then of surfaces
     const WalkTextures *textures;
@@ -27,7 +26,8 @@ struct WalkLit {
         newest;  // vertices of the arriving light uploaded so far; the newest complete buffer, -1: none
     double fade;
     unsigned picture_buffer;
-    unsigned array, vertex_buffer, list_buffer, light_buffer[LIGHTS], material_buffer, material_texture;
+    WalkLitRoom room;
+    unsigned array, list_buffer, material_buffer, material_texture;
 };
 
 // ---- upload
@@ -45,7 +45,7 @@ enum {
 static void describe_vertices(const WalkLit *lit) {
     GLsizei stride = sizeof(LitVertex);
     glBindVertexArray(lit->array);
-    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->room.vertex_buffer);
     glVertexAttribPointer(PLACE_POSITION, 3, GL_FLOAT, GL_FALSE, stride,
                           (const void *)offsetof(LitVertex, position));
     glVertexAttribPointer(PLACE_NORMAL, 3, GL_FLOAT, GL_FALSE, stride,
@@ -60,7 +60,7 @@ static void describe_vertices(const WalkLit *lit) {
 
 static void describe_light(const WalkLit *lit, unsigned place, int which) {
     glBindVertexArray(lit->array);
-    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[which]);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->room.light_buffer[which]);
     glVertexAttribPointer(place, 3, GL_FLOAT, GL_FALSE, 0, NULL);
 }
 
@@ -119,31 +119,34 @@ static void place_pictures(WalkLit *lit, Arena *arena) {
     walk_textures_describe(lit->picture_buffer);
 }
 
-// At the next pose all leaves are moved and lit anew.
+// Leaves and plugs are moved and lit anew when they are drawn next.
 static void forget_leaves(WalkLit *lit) {
-    for (int i = 0; i < lit->mesh->graph->building->leaf_count; i++) lit->share[i] = NAN;
+    for (int i = 0; i < lit->mesh->graph->object_count; i++) lit->share[i] = NAN;
 }
 
-// Lists the plugs of doors by opening.
-static void find_plugs(WalkLit *lit, Arena *arena) {
-    const CellGraph *graph = lit->mesh->graph;
-    int openings = graph->building->opening_count, *fill = ARENA_ARRAY(arena, int, openings + 2);
-    for (int o = 0; o < graph->object_count; o++)
-        if (graph->objects[o].plug) fill[graph->objects[o].opening + 2]++;
-    for (int i = 0; i < openings; i++) fill[i + 2] += fill[i + 1];
-    lit->plug = ARENA_ARRAY(arena, int, graph->object_count + 1);
-    for (int o = 0; o < graph->object_count; o++)
-        if (graph->objects[o].plug) lit->plug[fill[graph->objects[o].opening + 1]++] = o;
-    lit->first_plug = fill;
+WalkLitRoom walk_lit_room(int vertices) {
+    if (vertices < 1) vertices = 1;
+    size_t count = (size_t)vertices;
+    return (WalkLitRoom){vertices,
+                         make_buffer(count * sizeof(LitVertex)),
+                         {make_buffer(count * sizeof(float[3])), make_buffer(count * sizeof(float[3]))}};
 }
 
-WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures) {
+void walk_lit_room_free(WalkLitRoom *room) {
+    unsigned buffers[] = {room->vertex_buffer, room->light_buffer[0], room->light_buffer[1]};
+    if (room->vertices > 0) glDeleteBuffers(3, buffers);
+    *room = (WalkLitRoom){0};
+}
+
+WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, WalkLitRoom room) {
     Arena own = {0}, *arena = &own;
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
     const CellGraph *graph = mesh->graph;
-    size_t vertices = (size_t)lit_vertex_count(mesh);
+    int vertices = lit_vertex_count(mesh);
+    CORE_ASSERT(room.vertices == 0 || room.vertices >= vertices);
     *lit = (WalkLit){.mesh = mesh, .textures = textures, .newest = -1};
-    lit->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
+    lit->open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
+    lit->share = ARENA_ARRAY(arena, float, graph->object_count + 1);
     lit->list = ARENA_ARRAY(arena, unsigned, mesh->faces[mesh->face_count].first_index + 1);
     int most = 0;
     for (int o = 0; o < graph->object_count; o++) {
@@ -154,11 +157,9 @@ WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures) {
     }
     lit->leaf = arena_alloc(arena, (size_t)most + 1, sizeof *lit->leaf);
     lit->moved = ARENA_ARRAY(arena, LitVertex, most + 1);
-    find_plugs(lit, arena);
     forget_leaves(lit);
     glGenVertexArrays(1, &lit->array);
-    lit->vertex_buffer = make_buffer(vertices * sizeof(LitVertex));
-    for (int i = 0; i < LIGHTS; i++) lit->light_buffer[i] = make_buffer(vertices * sizeof(float[3]));
+    lit->room = room.vertices > 0 ? room : walk_lit_room(vertices);
     describe_vertices(lit);
     place_pictures(lit, arena);
     glGenBuffers(1, &lit->list_buffer);
@@ -167,15 +168,15 @@ WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures) {
     return lit;
 }
 
-void walk_lit_free(WalkLit *lit) {
-    if (!lit) return;
-    unsigned buffers[] = {lit->vertex_buffer,   lit->list_buffer,     lit->light_buffer[0],
-                          lit->light_buffer[1], lit->material_buffer, lit->picture_buffer};
+WalkLitRoom walk_lit_end(WalkLit *lit) {
+    WalkLitRoom room = lit->room;
+    unsigned buffers[] = {lit->list_buffer, lit->material_buffer, lit->picture_buffer};
     glDeleteVertexArrays(1, &lit->array);
-    glDeleteBuffers(6, buffers);
+    glDeleteBuffers(3, buffers);
     glDeleteTextures(1, &lit->material_texture);
     Arena own = lit->arena;
     arena_free(&own);
+    return room;
 }
 
 const LitMesh *walk_lit_mesh(const WalkLit *lit) { return lit->mesh; }
@@ -196,7 +197,7 @@ static void upload_slice(unsigned buffer, const void *data, size_t size, int cou
 // Lamps shine, or do not, as in this light.
 static void switch_lamps(WalkLit *lit, const LitLight *light) {
     const LitMesh *mesh = lit->mesh;
-    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->room.vertex_buffer);
     for (int i = 0; i < mesh->lamp_count; i++) {
         const LitFace *lamp = &mesh->faces[mesh->lamp[i]];
         int first = lamp->first_vertex, end = lamp[1].first_vertex;
@@ -209,7 +210,7 @@ static void switch_lamps(WalkLit *lit, const LitLight *light) {
 
 bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
     int count = lit_vertex_count(lit->mesh), next = lit->newest < 0 ? 0 : 1 - lit->newest;
-    upload_slice(lit->vertex_buffer, lit->mesh->vertex, sizeof(LitVertex), count, &lit->vertices_there,
+    upload_slice(lit->room.vertex_buffer, lit->mesh->vertex, sizeof(LitVertex), count, &lit->vertices_there,
                  &bytes);
     if (lit->vertices_there < count || bytes == 0) return false;
     if (lit->picture) {
@@ -217,7 +218,7 @@ bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
                      &bytes);
         if (lit->pictures_there < count || bytes == 0) return false;
     }
-    upload_slice(lit->light_buffer[next], light->vertex, sizeof *light->vertex, count, &lit->light_there,
+    upload_slice(lit->room.light_buffer[next], light->vertex, sizeof *light->vertex, count, &lit->light_there,
                  &bytes);
     if (lit->light_there < count) return false;
     describe_light(lit, PLACE_BEFORE, lit->newest < 0 ? next : lit->newest);
@@ -246,12 +247,12 @@ static void put_light(const WalkLit *lit, int object) {
     const LitMesh *mesh = lit->mesh;
     const Object *o = &mesh->graph->objects[object];
     int first = lit_object_begin(mesh, o)->first_vertex, end = lit_object_end(mesh, o)->first_vertex;
-    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[lit->newest]);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->room.light_buffer[lit->newest]);
     glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *lit->leaf),
                     (GLsizeiptr)((size_t)(end - first) * sizeof *lit->leaf), lit->leaf);
 }
 
-static void move_leaf(WalkLit *lit, const LitLight *light, int object, double open) {
+static void move_leaf(WalkLit *lit, int object, double open) {
     const LitMesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->graph;
     const Object *o = &graph->objects[object];
@@ -270,38 +271,41 @@ static void move_leaf(WalkLit *lit, const LitLight *light, int object, double op
             put_place(moved->normal, n);
         }
     }
-    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->room.vertex_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
                     (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), lit->moved);
-    if (!light || lit->newest < 0) return;
-    lit_leaf_light(mesh, light, object, open, lit->leaf);
+    if (!lit->light || lit->newest < 0) return;
+    lit_leaf_light(mesh, lit->light, object, open, lit->leaf);
     put_light(lit, object);
 }
 
-// Lights the plugs of a door that is closed now and was open when it was baked: then they had no light.
-static void light_plugs(WalkLit *lit, const LitLight *light, int opening) {
-    if (!light || lit->newest < 0 || !(light->doors[opening] > 0)) return;
-    for (int i = lit->first_plug[opening]; i < lit->first_plug[opening + 1]; i++) {
-        lit_plug_light(lit->mesh, light, lit->plug[i], lit->leaf);
-        put_light(lit, lit->plug[i]);
-    }
+// Lights a plug of a door that is closed now and was open when it was baked: then it had no light.
+static void light_plug(WalkLit *lit, int object, int opening) {
+    if (!lit->light || lit->newest < 0 || !(lit->light->doors[opening] > 0)) return;
+    lit_plug_light(lit->mesh, lit->light, object, lit->leaf);
+    put_light(lit, object);
 }
 
 void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) {
     const Building *b = lit->mesh->graph->building;
-    for (int o = 0; o < b->object_count; o++) {
-        int leaf = lit->mesh->graph->objects[o].leaf;
-        if (leaf < 0) continue;
-        float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
-        if (lit->share[leaf] != share) move_leaf(lit, light, o, (double)share);
-    }
-    for (int i = 0; i < b->leaf_count; i++) {
-        int door = b->leaves[i].opening;
-        float share = door_open ? door_open[door] : 1;
-        if (lit->share[i] != share && share == 0 && i == b->openings[door].first_leaf)
-            light_plugs(lit, light, door);
-        lit->share[i] = share;
-    }
+    lit->light = light;
+    for (int i = 0; i < b->opening_count; i++) lit->open[i] = door_open ? door_open[i] : 1;
+}
+
+// Puts a leaf or a plug that is to be drawn where its door stands. Of a large building few are drawn at a time, and all of them would take
+// many frames' time.
+static void pose_object(WalkLit *lit, int object) {
+    const CellGraph *graph = lit->mesh->graph;
+    const Object *o = &graph->objects[object];
+    if (o->leaf < 0 && !o->plug) return;
+    int opening = o->leaf < 0 ? o->opening : graph->building->leaves[o->leaf].opening;
+    float share = lit->open[opening];
+    if (lit->share[object] == share) return;
+    if (o->leaf >= 0)
+        move_leaf(lit, object, (double)share);
+    else if (share == 0 && graph->building->openings[opening].leaf_count > 0)
+        light_plug(lit, object, opening);
+    lit->share[object] = share;
 }
 
 static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, const unsigned char *left_out,
@@ -326,6 +330,7 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, co
 void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count,
                    const unsigned char *left_out) {
     int all = 0;
+    for (int i = 0; i < object_count; i++) pose_object(lit, objects[i]);
     for (int i = 0; i < 2 * WALK_RUNS; i++) {
         int run = i % WALK_RUNS;
         if (run < walk_textures_runs(lit->textures))

@@ -8,10 +8,20 @@
 
 typedef struct WalkLit WalkLit;
 
-// Makes the buffers; vertices and light are uploaded later. `mesh` must live as long as the result; walk_lit_pose moves its leaves.
-// `textures` too must live as long.
-WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures);
-void walk_lit_free(WalkLit *lit);  // NULL is allowed
+// Buffers for so many vertices and two states of their light. OpenGL clears new ones, which takes many frames' time where they are large
+// and OpenGL is software.
+typedef struct WalkLitRoom {
+    int vertices;  // 0: there are none
+    unsigned vertex_buffer, light_buffer[2];
+} WalkLitRoom;
+WalkLitRoom walk_lit_room(int vertices);
+void walk_lit_room_free(WalkLitRoom *room);
+
+// Takes the room, which has enough, or makes buffers where that has none; vertices and light are uploaded later. `mesh` must live as long
+// as the result, and `textures`, too.
+WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, WalkLitRoom room);
+// Returns the room, which is the caller's.
+WalkLitRoom walk_lit_end(WalkLit *lit);
 const LitMesh *walk_lit_mesh(const WalkLit *lit);
 
 // Uploads the vertices, then the rest of the new light, up to about `bytes` bytes in all. True when everything is uploaded: from then on
@@ -21,8 +31,8 @@ bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes);
 void walk_lit_fade(WalkLit *lit, double share);
 double walk_lit_faded(const WalkLit *lit);
 
-// Puts the leaves of doors where `door_open` has them, as for vis_query, in the light of lit_leaf.h: `light` is the one uploaded last,
-// unchanged, or NULL before there is any.
+// The leaves of doors are drawn from now on where `door_open` has them, as for vis_query, in the light of lit_leaf.h: `light` is the one
+// uploaded last, unchanged until the next pose, or NULL before there is any. `door_open` is copied; NULL: all are open.
 void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open);
 // Makes the draw list of these objects for an eye: things first, then the surfaces that face the eye. `left_out` as for walk_mesh_list.
 void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count,

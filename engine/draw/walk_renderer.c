@@ -81,6 +81,8 @@ struct WalkRenderer {
     WalkMesh *mesh;
     WalkLit *lit;           // NULL: no light was baked
     WalkLit *next;          // light on another mesh, which is being uploaded; NULL: there is none
+    int reserved;           // vertices of a room, 0: rooms are made as they are needed
+    WalkLitRoom spare[2];   // rooms that `lit` and `next` do not have
     bool ready;             // it is uploaded, or the next state on the same mesh
     const LitLight *light;  // the newest state that is uploaded whole, or NULL
     bool plain;             // one sample a pixel
@@ -138,11 +140,40 @@ bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, 
     return gl_check("uploading the light of a building", error);
 }
 
+void walk_renderer_reserve(WalkRenderer *w, int vertices, int rooms) {
+    CORE_ASSERT(!w->reserved && rooms <= (int)(sizeof w->spare / sizeof *w->spare));
+    w->reserved = vertices;
+    for (int i = 0; i < rooms && vertices > 0; i++) w->spare[i] = walk_lit_room(vertices);
+}
+
+static WalkLitRoom take_room(WalkRenderer *w, int vertices) {
+    WalkLitRoom none = {0};
+    for (size_t i = 0; i < sizeof w->spare / sizeof *w->spare; i++) {
+        WalkLitRoom room = w->spare[i];
+        if (room.vertices == 0 || room.vertices < vertices) continue;
+        w->spare[i] = none;
+        return room;
+    }
+    return none;
+}
+
+// NULL is allowed.
+static void end_lit(WalkRenderer *w, WalkLit *lit) {
+    if (!lit) return;
+    WalkLitRoom room = walk_lit_end(lit);
+    for (size_t i = 0; i < sizeof w->spare / sizeof *w->spare && room.vertices == w->reserved; i++) {
+        if (w->spare[i].vertices > 0) continue;
+        w->spare[i] = room;
+        return;
+    }
+    walk_lit_room_free(&room);
+}
+
 void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh) {
     if (w->lit && walk_lit_mesh(w->lit) == mesh) return;
     if (w->next && walk_lit_mesh(w->next) == mesh) return;
     CORE_ASSERT(!w->next);
-    WalkLit *lit = walk_lit_new(mesh, w->textures);
+    WalkLit *lit = walk_lit_new(mesh, w->textures, take_room(w, lit_vertex_count(mesh)));
     walk_lit_pose(lit, NULL, NULL);
     *(w->lit ? &w->next : &w->lit) = lit;
 }
@@ -154,10 +185,10 @@ bool walk_renderer_prepare(WalkRenderer *w, const LitLight *light, size_t bytes)
 
 void walk_renderer_drop(WalkRenderer *w) {
     w->ready = false;
-    walk_lit_free(w->next);
+    end_lit(w, w->next);
     w->next = NULL;
     if (w->light) return;
-    walk_lit_free(w->lit);
+    end_lit(w, w->lit);
     w->lit = NULL;
 }
 
@@ -171,7 +202,7 @@ bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
     if (!walk_renderer_prepare(w, light, bytes)) return false;
     w->ready = false;
     if (w->next) {
-        walk_lit_free(w->lit);
+        end_lit(w, w->lit);
         w->lit = w->next;
         w->next = NULL;
     }
@@ -196,8 +227,9 @@ void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) 
 
 void walk_renderer_free(WalkRenderer *w) {
     if (!w) return;
-    walk_lit_free(w->lit);
-    walk_lit_free(w->next);
+    end_lit(w, w->lit);
+    end_lit(w, w->next);
+    for (size_t i = 0; i < sizeof w->spare / sizeof *w->spare; i++) walk_lit_room_free(&w->spare[i]);
     walk_targets_free(&w->targets);
     walk_mesh_free(w->mesh);
     walk_textures_free(w->textures);

@@ -33,6 +33,9 @@ bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *
 // it until the next state is there. A state on another mesh takes the place of the one before at once, without a fade.
 void walk_renderer_expect(WalkRenderer *renderer, LitMesh *mesh);
 bool walk_renderer_take(WalkRenderer *renderer, const LitLight *light, size_t bytes);
+// Before, once, where light on one mesh after another comes, none of more than so many vertices: buffers for one or two of them at a time
+// are made here and used again, since OpenGL takes many frames' time to make large ones.
+void walk_renderer_reserve(WalkRenderer *renderer, int vertices, int rooms);
 // A state that is not to be shown yet is uploaded by walk_renderer_prepare, true once it is there, for walk_renderer_take to show at once.
 // Or it is dropped, and so is a mesh whose first state was not taken.
 bool walk_renderer_prepare(WalkRenderer *renderer, const LitLight *light, size_t bytes);

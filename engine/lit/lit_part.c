@@ -315,6 +315,24 @@ size_t lit_part_size(const LightOfParts *parts, int part) {
     return there ? (size_t)of.st_size : 0;
 }
 
+int lit_part_vertices(const LightOfParts *parts, int part) {
+    Arena scratch = {0};
+    DerivedReader from;
+    Header h;
+    Error error;
+    int vertices = 0;
+    const char *path = file_of(light_parts_file(parts, part, &scratch), &scratch);
+    if (access(path, F_OK) == 0 &&
+        derived_begin(path, &KIND, light_parts_scene(parts)->building.hash, &h, &from, &error)) {
+        bool sound = h.rest == rest_hash(&h) && h.vertex_count > 0 &&
+                     (size_t)h.vertex_count <= from.left / sizeof(LitVertex);
+        vertices = sound ? h.vertex_count : 0;
+        derived_end(&from);
+    }
+    arena_free(&scratch);
+    return vertices;
+}
+
 LitMesh *lit_read_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out) {
     const LoadedScene *scene = light_parts_scene(parts);
     Arena scratch = {0};

@@ -19,6 +19,8 @@ LitMesh *lit_read_part(const LoadedScene *scene, const char *path, uint64_t of_r
 // there is no such file).
 LitMesh *lit_read_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out);
 size_t lit_part_size(const LightOfParts *parts, int part);
+int lit_part_vertices(const LightOfParts *parts,
+                      int part);  // as the file's header has it; 0: no such file, or a damaged header
 // The same, made from the .rad file, which takes several times that memory meanwhile. NULL and an error where that cannot be read.
 LitMesh *lit_make_drawn(const LightOfParts *parts, int part, Arena *arena, LitLight *out, Error *error);
 

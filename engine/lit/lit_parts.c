@@ -25,6 +25,16 @@ LitParts *lit_parts_new(const LightOfParts *of, Arena *arena) {
     return p;
 }
 
+int lit_parts_most_vertices(const LightOfParts *of) {
+    int most = 0;
+    for (int i = 0; i < light_parts_number(of); i++) {
+        int vertices = lit_part_vertices(of, i);
+        if (vertices == 0) return 0;
+        most = vertices > most ? vertices : most;
+    }
+    return most;
+}
+
 static void drop(LitParts *p, int part) {
     arena_free(&p->part[part].arena);
     p->counted.kept -= p->part[part].mesh != NULL;

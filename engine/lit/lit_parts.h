@@ -13,6 +13,9 @@ typedef struct LitPartsCount {
     int kept;
 } LitPartsCount;
 
+// The most vertices that a part's mesh has, as files as drawn say; 0 where some are missing.
+int lit_parts_most_vertices(const LightOfParts *parts);
+
 // Holds no part. It lives in the arena, but for what lit_parts_free frees.
 LitParts *lit_parts_new(const LightOfParts *parts, Arena *arena);
 void lit_parts_free(LitParts *parts);  // NULL is allowed

@@ -70,7 +70,10 @@ FilmLight *film_light_new(const FilmLightSource *source, WalkRenderer *renderer,
                      .arena = arena};
     f->shown = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
     f->last = ARENA_ARRAY(arena, float, f->building->opening_count + 1);
-    if (source->parts) f->parts = lit_parts_new(source->parts, arena);
+    if (source->parts) {
+        f->parts = lit_parts_new(source->parts, arena);
+        walk_renderer_reserve(renderer, lit_parts_most_vertices(source->parts), 1);
+    }
     return source->parts || show_light(f, source->light, arena, error) ? f : NULL;
 }
 

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "engine/lit/lit_parts.h"
 #include "engine/walk/session_state.h"
 
 // An eye that no body can come this near to, metres, is looked from in flight.
@@ -57,6 +58,9 @@ bool shown_upload(const Session *s, Shown *shown, Error *error) {
         shown_free(shown, 0);
         return false;
     }
+    // The part about the eye and the next one.
+    if (shown->scene.baker.parts)
+        walk_renderer_reserve(shown->renderer, lit_parts_most_vertices(shown->scene.baker.parts), 2);
     const LoadedScene *scene = shown->scene.scene;
     if (scene) {
         shown->lit = ARENA_ARRAY(&shown->arena, Rgb, scene->lamps.count + 1);

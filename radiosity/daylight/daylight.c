@@ -30,9 +30,9 @@ static const double TWILIGHT_FALL = 1.26 * (M_PI / 180);
 static const double TWILIGHT_END = -6 * (M_PI / 180);
 // Wavelengths of the channels r, g, b: the middles of their bands, micrometres.
 static const double WAVELENGTH[3] = {0.61, 0.55, 0.465};
-// The share of a cloudless sky's light that is as blue as Rayleigh's scattering; dust and repeated scattering send the rest. With a half
-// its correlated colour temperature is about 15,000 K.
-static const double BLUE_SHARE = 0.5;
+// The light of a whole cloudless sky: CIE daylight of 10,000 K, as measured skies are (Judd, MacAdam & Wyszecki 1964), in linear sRGB.
+// That of Rayleigh's scattering at three wavelengths, mixed with white, is nearly the same with less green: skies look like lavender.
+static const double CLEAR_SKY[3] = {0.7634, 0.9369, 1.2997};
 
 // ---- irradiances, W/m^2, all channels together
 
@@ -78,10 +78,7 @@ static void colour_of_sun(double altitude, double out[3]) {
 }
 
 static void colour_of_sky(double cover, double out[3]) {
-    double blue = BLUE_SHARE * (1 - cover);
-    for (int c = 0; c < 3; c++) out[c] = depth_of_air(c);
-    keep_mean(out);
-    for (int c = 0; c < 3; c++) out[c] = blue * out[c] + 1 - blue;
+    for (int c = 0; c < 3; c++) out[c] = (1 - cover) * CLEAR_SKY[c] + cover;
 }
 
 // ---- the radiance by direction

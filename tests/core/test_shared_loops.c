@@ -15,7 +15,7 @@
 
 enum { RANKS = 2, ROOM = 4 << 20, PIECES = 1000 };
 
-// What both processes have.
+// The memory of both processes.
 typedef struct Common {
     pthread_barrier_t barrier;
     atomic_int next;
@@ -91,7 +91,7 @@ static void make_square(void *context, int index, int thread) {
     common->made[own_rank][index]++;
 }
 
-// Of some pieces there is nothing to tell.
+// Some pieces have nothing to tell.
 static Bytes pack_square(void *context, int index, Arena *arena) {
     Squares *s = context;
     (void)arena;

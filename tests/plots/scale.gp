@@ -1,5 +1,5 @@
 # scale.gp - from `enfilade bench scale` (CSV, a row a building and stage): how time and memory of each stage grow with rooms, on
-# logarithmic axes, with the slope of the line that fits best.
+# logarithmic axes, with the slope of the line that fits best; and the bytes that the first of two and of four processes sends.
 # usage: gnuplot -e "csv='build/bench/scale.csv'; out='build/pictures/scale'" tests/plots/scale.gp
 # writes OUT.svg and OUT.png
 set datafile separator ','

@@ -38,7 +38,7 @@ static void bound_way(void *context, int index, int thread) {
     memcpy(b->cells[way], b->found[thread], (size_t)count * sizeof *b->found[thread]);
 }
 
-// What was found of a way, for other processes: work, the number of cells, the cells.
+// A way as it is told to other processes: work, the number of cells, the cells.
 typedef struct PackedWay {
     long long spent;
     int count;
@@ -362,7 +362,7 @@ static bool whole_pairs(const CellGraph *graph, double share, const PairOptions 
     return true;
 }
 
-// What is known of a house, but for its rows.
+// The findings in a house, but for its rows.
 typedef struct HouseFound {
     long long undecided;
     ChainWork work;
@@ -424,7 +424,7 @@ static void search_house(void *context, int house, int thread) {
     arena_free(&own);
 }
 
-// What is known of it, and each of its rows: the number of cells, the cells.
+// These findings, and each of the rows: the number of cells, the cells.
 static Bytes pack_house(void *context, int house, Arena *arena) {
     Houses *h = context;
     const HouseFound *found = &h->found[house];

@@ -324,7 +324,8 @@ static void print_walk(const Arguments *a, const WalkTotals *t) {
     if (a->walk.video) printf("video       %s\n", a->walk.video);
     if (a->walk.stats) printf("statistics  %s\n", a->walk.stats);
     if (t->light_parts.wanted > 0)
-        printf("light       %ld times of another part: %ld times read from its files, %d parts in memory at "
+        printf("light       the part changed %ld times, and was read from files %ld times; %d parts are in "
+               "memory at "
                "the end\n",
                t->light_parts.wanted, t->light_parts.read, t->light_parts.kept);
     if (a->walk.verify) {

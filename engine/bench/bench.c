@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "engine/core/file.h"
-#include "engine/core/parallel.h"
 
 const Culling BENCH_CULLING[BENCH_CULLINGS] = {CULL_NONE, CULL_DEPTH, CULL_CELLS, CULL_PLAN, CULL_STAB};
 
@@ -19,7 +18,7 @@ bool bench_table(const BenchArguments *a, const char *head,
     fputs(head, stdout);
     bool good = !first || first(a, &csv, error);
     for (int i = 0; i < a->file_count && good; i++) good = each(a->files[i], a, &csv, error);
-    if (good && a->csv && parallel_is_first()) good = file_write(a->csv, csv.data, csv.size, error);
+    if (good && a->csv) good = file_write(a->csv, csv.data, csv.size, error);
     arena_free(&arena);
     return good;
 }

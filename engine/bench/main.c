@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine/bench/bench.h"
+#include "engine/core/parallel.h"
 
 extern const Bench BENCH_WALK, BENCH_COLLISION, BENCH_VISIBILITY, BENCH_FORMFACTORS, BENCH_RADIOSITY,
     BENCH_LIGHT, BENCH_LIT_PICTURES, BENCH_MESHES, BENCH_NARROW, BENCH_ROOMS, BENCH_ROOMS_LIGHT, BENCH_HIDDEN,
@@ -75,8 +76,10 @@ static int measure_files(const Bench *bench, BenchArguments *a, char **files, in
     }
     a->files = files;
     a->file_count = file_count;
-    bool good = app_check_files(&a->csv, 1, (const char *const *)files, file_count, &a->load, &error) &&
-                bench->run(a, &error);
+    bool good = app_check_files(&a->csv, 1, (const char *const *)files, file_count, &a->load, &error);
+    // Of processes that share the work one writes.
+    if (!parallel_is_first()) a->csv = NULL;
+    good = good && bench->run(a, &error);
     return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
 }
 

@@ -77,7 +77,7 @@ static int measure_files(const Bench *bench, BenchArguments *a, char **files, in
     a->files = files;
     a->file_count = file_count;
     bool good = app_check_files(&a->csv, 1, (const char *const *)files, file_count, &a->load, &error);
-    // Of processes that share the work one writes.
+    // One of the processes that share the work writes.
     if (!parallel_is_first()) a->csv = NULL;
     good = good && bench->run(a, &error);
     return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);

@@ -164,6 +164,38 @@ Test(renderer, doors_move, .timeout = 120) {
     renderer_check_close_stage(&s);
 }
 
+// Proves that in the baked look, too, leaves are drawn where doors stand, though they are moved only when they are drawn: a door is seen
+// to move, and a state shown again is the same picture.
+Test(renderer, doors_move_in_baked_light, .timeout = 120) {
+    static const float shares[] = {0, 0.35f, 1, 0.35f, 0};
+    Stage s;
+    Mesh mesh;
+    RadSolution solution;
+    Error error;
+    MeshOptions options = mesh_default_options();
+    const uint8_t *seen[5];
+    options.element = 0.5;
+    renderer_check_open_stage(&s, "build/maps/house.plan");
+    Camera camera = renderer_check_door(&s, WIDTH, HEIGHT);
+    cr_assert(mesh_build(&s.graph, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
+    cr_assert(rad_start_dark(&mesh, &s.arena, &solution, &error), "%s", error.text);
+    for (int e = 0; e < mesh.element_count; e++)
+        for (int c = 0; c < 3; c++) solution.radiosity[e][c] = 0.05f + 0.01f * (float)(e * 7 % 60);
+    float *baked = ARENA_ARRAY(&s.arena, float, s.building.opening_count + 1);
+    WalkLight light = {.mesh = &mesh, .solution = &solution, .door_open = baked};
+    cr_assert(walk_renderer_light(s.renderer, &light, &s.arena, &error), "%s", error.text);
+    walk_renderer_tone(s.renderer, 1, FALSE_COLOUR_OFF);
+    for (int i = 0; i < 5; i++) {
+        set_all_doors(&s, shares[i]);
+        seen[i] = renderer_check_picture(&s, &camera, CULL_NONE, WALK_BAKED);
+    }
+    cr_expect_gt(renderer_check_differing(seen[0], seen[2], WIDTH * HEIGHT), WIDTH * HEIGHT / 10);
+    cr_expect_gt(renderer_check_differing(seen[0], seen[1], WIDTH * HEIGHT), WIDTH * HEIGHT / 20);
+    cr_expect_eq(renderer_check_differing(seen[1], seen[3], WIDTH * HEIGHT), 0);
+    cr_expect_eq(renderer_check_differing(seen[0], seen[4], WIDTH * HEIGHT), 0);
+    renderer_check_close_stage(&s);
+}
+
 // Proves that the sky of a day is drawn as daylight_seen has it, pixel by pixel, the sun's disc where the sun stands and white, for a clear
 // morning and an overcast noon. Tolerance: rounding to 8 bits, and floats in steep places.
 Test(renderer, sky_of_a_day_by_direction, .timeout = 120) {

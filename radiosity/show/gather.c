@@ -678,8 +678,15 @@ GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
         memcpy(part, row->sky_part, (size_t)row->sky_part_count * sizeof *part);
         sky_parts_fit(part, row->sky_part_count, &self->scene.solution->day, row->sky_light);
     }
-    return (GatherRow){row->count,        element, share, row->sky_light,
-                       row->ground_light, doors,   part,  row->sky_part_count};
+    return (GatherRow){.count = row->count,
+                       .element = element,
+                       .share = share,
+                       .backs = row->back,
+                       .sky = row->sky_light,
+                       .ground = row->ground_light,
+                       .doors = doors,
+                       .sky_part = part,
+                       .sky_part_count = row->sky_part_count};
 }
 
 void gather_along(double (*leaving)[3], const Daylight *day, const GatherRow *row, double irradiance[3]) {

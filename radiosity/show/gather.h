@@ -62,6 +62,7 @@ typedef struct GatherRow {
     int count;
     const int *element;  // [count]
     const float *share;  // [count]
+    double backs;        // the share of the view that meets backs: nearly 1 inside closed things
     double sky, ground;  // shares of the irradiances by a whole view of the sky overhead, and of the ground
     const uint64_t *doors;    // as in View
     const SkyPart *sky_part;  // [sky_part_count] whose light is `sky`; 0: not asked for

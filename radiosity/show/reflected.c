@@ -1,6 +1,7 @@
 // reflected.c - reflected light has one value for each patch, gathered along the patch's row (RadSolution.reflected). Where these bend, or
 // much of a patch's view is close, the values are too few: elements are halved there, and light is gathered at the middle of each part.
-// Where shots tell an element from its patch, it gathers as it is. The nodes between all these values are those of reconstruct.h.
+// Where shots tell an element from its patch, it gathers as it is. The nodes between all these values are those of reconstruct.h; but
+// beside a wall or below a board light does not go on along the planes through values at middles, so edge nodes gather by themselves.
 //
 // Source: G. J. Ward, F. M. Rubinstein & R. D. Clear, A Ray Tracing Solution for Diffuse Interreflection, 1988: values of indirect light
 // are the denser the closer other surfaces are. Departure: steps of the light itself count as well, as shares of all light there.
@@ -27,6 +28,12 @@ static const double MOST_PARTS = 0.9, MOST_APART = 0.5;
 static const double DARK = 0.01;
 // Directions each way of the rows of parts.
 enum { RESOLUTION = 40 };
+// Edge nodes of elements of so many m^2 gather, where so much of the view of a patch beside them is close; as many as this share of the
+// patches at most. They look from a point on the way to the middle of their elements, this share of it away: light in the corner itself
+// is seen by a hand's breadth at most. Where more of the view than this meets backs, the point lies within another thing.
+static const double EDGE_AREA = 0.03, EDGE_CLOSE = 0.02, MOST_EDGES = 1.25, EDGE_IN = 0.3, EDGE_BACKS = 0.02;
+// Nodes whose elements make this angle or more have light on all sides, radians.
+static const double ALL_AROUND = 2 * M_PI - 0.1;
 // Middles of parts nearer than this are one, metres.
 static const double SAME_PLACE = 1e-7;
 // Parts between two looks at progress.
@@ -209,16 +216,19 @@ ReflectedParts reflected_parts(const Mesh *mesh, const Nodes *nodes, const RadSo
 
 // Where light is found that is shown on a finer mesh, the same for all light; and what the last light was there, if it is `kept`.
 typedef struct ReflectedPlaces {
-    Nodes own;      // of the mesh that light was found on
-    int *triangle;  // of its elements
-    int *in;        // [shown->element_count] the element around each
-    int *part;      // [count] elements that gather light by themselves
-    int count;
-    bool *anew;  // [nodes of the finer mesh] of parts
-    int *which;  // [count] parts that gather now
+    Nodes own;                          // of the mesh that light was found on
+    int *triangle;                      // of its elements
+    int *in;                            // [shown->element_count] the element around each
+    int *part;                          // [part_count] elements that gather light by themselves
+    int *edge;                          // [edge_count] own nodes that do
+    int *edge_of;                       // [own.count] the index in `edge`, -1
+    int part_count, edge_count, count;  // all that gather are parts first, then edges
+    bool *anew;                         // [nodes of the finer mesh] of parts
+    int *which;                         // [count] those that gather now
     // Values of the elements, and what strong patches send to the patches: at the elements, at own nodes and at corners.
     double (*coarse)[3], (*node[2])[3], (*corner[2])[3];
-    double (*gathered)[3];  // [count] by parts, without what strong patches send
+    double (*gathered)[3];  // [count] without what strong patches send
+    bool *inside;           // [count] they look from within another thing
     double (*value)[3];     // [shown->element_count] at the middles
     // To go on from this light.
     bool kept, whole;  // `whole`: it was found to the end
@@ -226,6 +236,7 @@ typedef struct ReflectedPlaces {
     int *first_within, *within;         // the elements of the finer mesh in each element
     int *part_of;                       // [shown->element_count] its index in `part`, -1
     Marks changed[2], around, middles;  // elements, patches; elements; elements of the finer mesh
+    Marks again;                        // those that gather now
 } ReflectedPlaces;
 
 typedef struct Parts {
@@ -238,31 +249,48 @@ typedef struct Parts {
     PartRows *kept;        // or NULL
 } Parts;
 
-static void gather_part(void *context, int index, int thread) {
+// Where one of those that gather looks from, and the element of the mesh that light was found on around it.
+static Vec3 place_of(const ReflectedPlaces *p, const Mesh *mesh, const Mesh *shown, int i, int *around) {
+    if (i < p->part_count) {
+        *around = p->in[p->part[i]];
+        return element_centroid(shown, p->part[i]);
+    }
+    int n = p->edge[i - p->part_count], first = p->own.first[n], end = p->own.first[n + 1];
+    Vec3 node = mesh->vertices[p->own.vertex[n]], middle = {0, 0, 0};
+    for (int k = first; k < end; k++) middle = vec3_add(middle, element_centroid(mesh, p->own.element[k]));
+    *around = p->own.element[first];
+    return vec3_lerp(node, vec3_scale(middle, 1.0 / (end - first)), EDGE_IN);
+}
+
+static void gather_place(void *context, int index, int thread) {
     const Parts *p = context;
     const Mesh *mesh = p->scene->mesh;
-    int at_row = p->places->which[p->first + index], part = p->places->part[at_row];
-    double *out = p->places->gathered[at_row];
-    GatherRow *row = p->kept ? &p->kept->row[at_row] : NULL;
-    if (row && p->kept->there[at_row]) {
-        gather_along(p->leaving, &p->scene->solution->day, row, out);
-        return;
+    const Daylight *day = &p->scene->solution->day;
+    int i = p->places->which[p->first + index], element;
+    double *out = p->places->gathered[i], backs;
+    GatherRow *row = p->kept ? &p->kept->row[i] : NULL;
+    if (!row || !p->kept->there[i]) {
+        Vec3 at = place_of(p->places, mesh, p->shown, i, &element);
+        const Element *around = &mesh->elements[element];
+        const Face *face = &mesh->faces[around->face];
+        // Elements at an edge node may lie before several cells.
+        bool before = i < p->places->part_count && mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
+        int hint = mesh->patches[around->patch].cell;
+        int cell = before ? hint : gather_cell(mesh->graph, at, face->plane.n, hint);
+        ViewPoint from = {at, face->plane.n, cell};
+        if (row) {
+            *row = gather_row_new(p->gatherer[thread], &from, &p->kept->kept[thread]);
+            p->kept->leaf[i] = mesh->graph->objects[face->object].leaf;
+            p->kept->there[i] = true;
+        } else {
+            gather_apart(p->gatherer[thread], &from, out, NULL, &backs);
+        }
     }
-    const Element *around = &mesh->elements[p->places->in[part]];
-    const Face *face = &mesh->faces[around->face];
-    bool surface = mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
-    int hint = mesh->patches[around->patch].cell;
-    Vec3 at = element_centroid(p->shown, part);
-    int cell = surface ? hint : gather_cell(mesh->graph, at, face->plane.n, hint);
-    ViewPoint from = {at, face->plane.n, cell};
     if (row) {
-        *row = gather_row_new(p->gatherer[thread], &from, &p->kept->kept[thread]);
-        p->kept->leaf[at_row] = mesh->graph->objects[face->object].leaf;
-        p->kept->there[at_row] = true;
-        gather_along(p->leaving, &p->scene->solution->day, row, out);
-    } else {
-        gather(p->gatherer[thread], &from, out);
+        gather_along(p->leaving, day, row, out);
+        backs = row->backs;
     }
+    p->places->inside[i] = backs > EDGE_BACKS;
 }
 
 void part_rows_end(PartRows *rows) {
@@ -299,32 +327,40 @@ static GatherRow copy_row(const GatherRow *row, int words, Arena *arena) {
     return out;
 }
 
-// Takes over the rows of parts that are the same on the mesh that showed light before, under the day at hand.
+static void take_row(PartRows *rows, int i, const PartRows *before, int k) {
+    rows->row[i] = copy_row(&before->row[k], viewer_door_words(rows->shown), &rows->kept[0]);
+    rows->row[i].sky =
+        sky_parts_light(rows->row[i].sky_part, rows->row[i].sky_part_count, &rows->solution.day);
+    rows->leaf[i] = before->leaf[k];
+    rows->there[i] = true;
+}
+
+// Takes over the rows of parts and edges that are the same on the mesh that showed light before, under the day at hand.
 static void take_rows(PartRows *rows, const PartRows *before) {
     const ReflectedPlaces *to = rows->places, *from = before->places;
     Arena scratch = {0};
     if (!from) return;
     int elements = rows->scene.mesh->element_count;
     int *first = ARENA_ARRAY(&scratch, int, elements + 1),
-        *next = ARENA_ARRAY(&scratch, int, from->count + 1);
+        *next = ARENA_ARRAY(&scratch, int, from->part_count + 1);
     for (int e = 0; e < elements; e++) first[e] = -1;
-    for (int i = from->count - 1; i >= 0; i--) {
+    for (int i = from->part_count - 1; i >= 0; i--) {
         int in = from->in[from->part[i]];
         next[i] = first[in];
         first[in] = before->there[i] ? i : next[i];
     }
-    for (int i = 0; i < to->count; i++) {
+    for (int i = 0; i < to->part_count; i++) {
         Vec3 middle = element_centroid(rows->shown, to->part[i]);
         for (int k = first[to->in[to->part[i]]]; k >= 0; k = next[k]) {
             if (vec3_length(vec3_sub(element_centroid(before->shown, from->part[k]), middle)) > SAME_PLACE)
                 continue;
-            rows->row[i] = copy_row(&before->row[k], viewer_door_words(rows->shown), &rows->kept[0]);
-            rows->row[i].sky =
-                sky_parts_light(rows->row[i].sky_part, rows->row[i].sky_part_count, &rows->solution.day);
-            rows->leaf[i] = before->leaf[k];
-            rows->there[i] = true;
+            take_row(rows, i, before, k);
             break;
         }
+    }
+    for (int i = to->part_count; i < to->count; i++) {
+        int edge = from->edge_of[to->edge[i - to->part_count]], k = from->part_count + edge;
+        if (edge >= 0 && before->there[k]) take_row(rows, i, before, k);
     }
     arena_free(&scratch);
 }
@@ -364,7 +400,7 @@ static void close_gaps(PartRows *rows, int words) {
     rows->used = kept.used;
 }
 
-// Light of `count` parts of places->which.
+// Light of `count` parts and edges of places->which.
 static bool gather_parts(const GatherScene *scene, const Mesh *shown, const ReflectedPlaces *places,
                          int count, int threads, PartRows *kept, const Progress *progress) {
     Arena scratch = {0};
@@ -385,7 +421,7 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const Refl
     for (; p.first < count && go_on; p.first += PARTS_A_LOOK) {
         go_on = progress_report(progress, "reflected light", (double)p.first / count);
         int left = count - p.first;
-        if (go_on) parallel_for(threads, left < PARTS_A_LOOK ? left : PARTS_A_LOOK, gather_part, &p);
+        if (go_on) parallel_for(threads, left < PARTS_A_LOOK ? left : PARTS_A_LOOK, gather_place, &p);
     }
     for (int t = 0; t < threads && makes && !kept; t++) gatherer_end(p.gatherer[t]);
     arena_free(&scratch);
@@ -393,11 +429,13 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const Refl
 }
 
 static bool part_moves(const PartRows *rows, const Mesh *shown, int i, const MovedDoors *moved) {
-    int part = rows->places->part[i];
-    Vec3 middle = element_centroid(shown, part), n = shown->faces[shown->elements[part].face].plane.n;
+    const Mesh *mesh = rows->scene.mesh;
+    int around;
+    Vec3 at = place_of(rows->places, mesh, shown, i, &around),
+         n = mesh->faces[mesh->elements[around].face].plane.n;
     for (int k = 0; k < moved->count; k++)
         if (view_has_door(rows->row[i].doors, moved->doors[k].opening) &&
-            mesh_door_rises(&moved->doors[k], middle, n))
+            mesh_door_rises(&moved->doors[k], at, n))
             return true;
     return mesh_leaf_moves(moved, shown->graph->building, rows->leaf[i]);
 }
@@ -424,8 +462,67 @@ static void find_within(ReflectedPlaces *p, const Mesh *mesh, const Mesh *shown,
     for (int e = 0; e < shown->element_count; e++) p->within[next[p->in[e]]++] = e;
 }
 
-static ReflectedPlaces *places_of(const Mesh *mesh, const bool *gathers, const Mesh *shown,
-                                  const Nodes *nodes, bool kept, Arena *arena) {
+// Does the light end at a node, on the side of its elements?
+static bool at_edge(const Mesh *mesh, const Nodes *nodes, int n) {
+    double angle = 0;
+    Vec3 at = mesh->vertices[nodes->vertex[n]];
+    for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++) {
+        const Element *e = &mesh->elements[nodes->element[i]];
+        const int *corner = mesh->corners + e->first_corner;
+        for (int k = 0; k < e->corner_count; k++) {
+            if (nodes->of_corner[e->first_corner + k] != n) continue;
+            int next = corner[(k + 1) % e->corner_count],
+                last = corner[(k + e->corner_count - 1) % e->corner_count];
+            Vec3 a = vec3_sub(mesh->vertices[next], at), b = vec3_sub(mesh->vertices[last], at);
+            angle += atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
+        }
+    }
+    return angle < ALL_AROUND;
+}
+
+// The largest element at a node, m^2; 0: it is not to gather. `gathers`: elements whose parts do.
+static double edge_area(const GatherScene *scene, const bool *gathers, const Nodes *nodes, int n) {
+    const Mesh *mesh = scene->mesh;
+    double area = 0, close = 0;
+    bool owned = false;
+    for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++) {
+        const Element *e = &mesh->elements[nodes->element[i]];
+        area = fmax(area, e->area);
+        close = fmax(close, (double)scene->solution->close[e->patch]);
+        owned = owned || mesh_owns(mesh, e->face);
+    }
+    bool wanted = owned && area >= EDGE_AREA && close >= EDGE_CLOSE;
+    for (int i = nodes->first[n]; wanted && i < nodes->first[n + 1]; i++)
+        if (!gathers[nodes->element[i]]) return at_edge(mesh, nodes, n) ? area : 0;
+    return 0;
+}
+
+// Edge nodes of large elements first, as many as may gather.
+static void find_edges(const GatherScene *scene, const bool *gathers, const Borders *borders,
+                       ReflectedPlaces *p, Arena *arena) {
+    const Mesh *mesh = scene->mesh;
+    Arena scratch = {0};
+    double *area = ARENA_ARRAY(&scratch, double, p->own.count + 1), least = EDGE_AREA, counts[2];
+    p->edge_of = ARENA_ARRAY(arena, int, p->own.count + 1);
+    for (int n = 0; n < p->own.count; n++) area[n] = gathers ? edge_area(scene, gathers, &p->own, n) : 0;
+    for (;; least *= 1.25) {
+        counts[0] = counts[1] = 0;
+        for (int n = 0; n < p->own.count; n++) counts[0] += area[n] >= least;
+        for (int i = 0; i < mesh->patch_count; i++) counts[1] += mesh_owns(mesh, mesh->patches[i].face);
+        if (borders) team_sum(borders_member(borders), counts, 2);
+        if (counts[0] <= MOST_EDGES * counts[1]) break;
+    }
+    p->edge = ARENA_ARRAY(arena, int, p->own.count + 1);
+    for (int n = 0; n < p->own.count; n++) {
+        p->edge_of[n] = area[n] >= least ? p->edge_count : -1;
+        if (area[n] >= least) p->edge[p->edge_count++] = n;
+    }
+    arena_free(&scratch);
+}
+
+static ReflectedPlaces *places_of(const GatherScene *scene, const bool *gathers, const Mesh *shown,
+                                  const Nodes *nodes, const Borders *borders, bool kept, Arena *arena) {
+    const Mesh *mesh = scene->mesh;
     ReflectedPlaces *p = ARENA_ARRAY(arena, ReflectedPlaces, 1);
     p->own = nodes_of(mesh, arena);
     p->triangle = reconstruct_triangles(mesh, arena);
@@ -439,13 +536,16 @@ static ReflectedPlaces *places_of(const Mesh *mesh, const bool *gathers, const M
         p->part_of[e] = -1;
         if (!gathers || !gathers[p->in[e]]) continue;
         if (mesh_owns(shown, element->face)) {
-            p->part_of[e] = p->count;
-            p->part[p->count++] = e;
+            p->part_of[e] = p->part_count;
+            p->part[p->part_count++] = e;
         }
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
             p->anew[nodes->of_corner[c]] = true;
     }
+    find_edges(scene, gathers, borders, p, arena);
+    p->count = p->part_count + p->edge_count;
     p->which = ARENA_ARRAY(arena, int, p->count + 1);
+    p->inside = ARENA_ARRAY(arena, bool, p->count + 1);
     p->coarse = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *p->coarse);
     p->gathered = arena_alloc(arena, (size_t)p->count + 1, sizeof *p->gathered);
     p->value = arena_alloc(arena, (size_t)shown->element_count + 1, sizeof *p->value);
@@ -461,6 +561,7 @@ static ReflectedPlaces *places_of(const Mesh *mesh, const bool *gathers, const M
     p->changed[1] = marks_new(mesh->patch_count, arena);
     p->around = marks_new(mesh->element_count, arena);
     p->middles = marks_new(shown->element_count, arena);
+    p->again = marks_new(p->count, arena);
     return p;
 }
 
@@ -543,6 +644,28 @@ static void light_corners(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
         memcpy(p->corner[which][i], p->node[which][p->own.of_corner[i]], sizeof *p->corner[which]);
 }
 
+// The light of an edge node: as it has gathered it, and of strong patches as it is between the node and the middle of its elements. Where no
+// light reaches the elements, and within another thing, the node keeps what the planes say.
+static void light_edge(const GatherScene *scene, ReflectedPlaces *p, int i) {
+    const Mesh *mesh = scene->mesh;
+    const Nodes *own = &p->own;
+    int n = p->edge[i - p->part_count], first = own->first[n], end = own->first[n + 1];
+    double light = 0, sent[3] = {0, 0, 0};
+    for (int k = first; k < end; k++) {
+        const double *by_strong = scene->solution->sent[mesh->elements[own->element[k]].patch];
+        light += rgb_sum(p->coarse[own->element[k]]);
+        for (int c = 0; c < 3; c++) sent[c] += by_strong[c] / (end - first);
+    }
+    if (p->inside[i] || !(light > 0)) return;
+    for (int c = 0; c < 3; c++)
+        p->node[0][n][c] = p->gathered[i][c] + fmax((1 - EDGE_IN) * p->node[1][n][c] + EDGE_IN * sent[c], 0);
+    for (int k = first; k < end; k++) {
+        const Element *e = &mesh->elements[own->element[k]];
+        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+            if (own->of_corner[c] == n) memcpy(p->corner[0][c], p->node[0][n], sizeof *p->corner[0]);
+    }
+}
+
 bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *shown, const Nodes *nodes,
                      int threads, PartRows *kept, const Borders *borders, const Progress *progress,
                      double (*out)[3]) {
@@ -557,8 +680,8 @@ bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *
         return true;
     }
     ReflectedPlaces *places = kept && kept->places ? kept->places
-                                                   : places_of(mesh, gathers, shown, nodes, kept != NULL,
-                                                               kept ? &kept->arena : &scratch);
+                                                   : places_of(scene, gathers, shown, nodes, borders,
+                                                               kept != NULL, kept ? &kept->arena : &scratch);
     if (kept) {
         kept->places = places;
         part_rows_start(kept, scene, shown, places->count);
@@ -574,6 +697,7 @@ bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *
     weak_scene.solution = &weak;
     for (int i = 0; i < places->count; i++) places->which[i] = i;
     bool go_on = gather_parts(&weak_scene, shown, places, places->count, threads, kept, progress);
+    for (int i = places->part_count; i < places->count && go_on; i++) light_edge(scene, places, i);
     Between between = between_of(mesh, shown, nodes, places, out);
     parallel_for(workers, times(shown->element_count), light_middles, &between);
     if (borders) {
@@ -599,6 +723,7 @@ static void corners_again(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
     reconstruct_values_again(mesh, own, which == 1, value, NULL, &p->changed[which], p->node[which], fits);
     for (int i = 0; i < fits->nodes.count; i++) {
         int n = fits->nodes.of[i];
+        if (p->edge_of[n] >= 0) marks_add(&p->again, p->part_count + p->edge_of[n]);
         for (int k = own->first[n]; k < own->first[n + 1]; k++) {
             const Element *e = &mesh->elements[own->element[k]];
             marks_add(&p->around, own->element[k]);
@@ -607,6 +732,16 @@ static void corners_again(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
                     memcpy(p->corner[which][c], p->node[which][n], sizeof *p->corner[which]);
         }
     }
+}
+
+// The elements whose light depends on one that gathers.
+static void mark_around(ReflectedPlaces *p, int i) {
+    if (i < p->part_count) {
+        marks_add(&p->around, p->in[p->part[i]]);
+        return;
+    }
+    int n = p->edge[i - p->part_count];
+    for (int k = p->own.first[n]; k < p->own.first[n + 1]; k++) marks_add(&p->around, p->own.element[k]);
 }
 
 bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *nodes, const Marks *changed,
@@ -623,6 +758,7 @@ bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *n
     for (int i = 0; i < 2; i++) marks_clear(&p->changed[i]);
     marks_clear(&p->around);
     marks_clear(&p->middles);
+    marks_clear(&p->again);
     for (int i = 0; i < changed->count; i++) {
         const Patch *patch = &mesh->patches[changed->of[i]];
         find_patch_values(mesh, &even, changed->of[i], p->coarse);
@@ -632,14 +768,17 @@ bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *n
     }
     corners_again(mesh, p, 0, p->coarse);
     corners_again(mesh, p, 1, scene->solution->sent);
-    int count = 0;
     for (int i = 0; i < p->count; i++) {
-        bool gathers = changed->has[mesh->elements[p->in[p->part[i]]].patch] || !kept->there[i];
-        if (!gathers) continue;
-        p->which[count++] = i;
-        marks_add(&p->around, p->in[p->part[i]]);
+        bool part = i < p->part_count && changed->has[mesh->elements[p->in[p->part[i]]].patch];
+        if (part || !kept->there[i]) marks_add(&p->again, i);
     }
-    bool go_on = gather_parts(&weak_scene, shown, p, count, 0, kept, progress);
+    for (int i = 0; i < p->again.count; i++) {
+        p->which[i] = p->again.of[i];
+        mark_around(p, p->which[i]);
+    }
+    bool go_on = gather_parts(&weak_scene, shown, p, p->again.count, 0, kept, progress);
+    for (int i = 0; i < p->again.count && go_on; i++)
+        if (p->again.of[i] >= p->part_count) light_edge(scene, p, p->again.of[i]);
     Between between = between_of(mesh, shown, nodes, p, out);
     for (int i = 0; i < p->around.count && go_on; i++) {
         int e = p->around.of[i];

@@ -1,5 +1,7 @@
 // enclose_openings.c - doors and windows in the building: their lines on the grid, their leaves, and, once the regions exist, the
 // regions that they join and the spandrels around openings that are not rectangles.
+#include <stdlib.h>
+
 #include "maps/enclose/enclose.h"
 
 // An end of a door's line lies within this of its vertex on the grid, mm.
@@ -157,9 +159,14 @@ static Vec3 frame_point(const Enclosure *e, const Frame *f, double u, double w, 
     return vec3(m.x, m.y, (h->sill + w) / ENCLOSE_MM);
 }
 
+// The materials of a wall about an opening: of its faces at Hole.v0 and v1, and within the opening.
+typedef struct WallColours {
+    int face[2], within;
+} WallColours;
+
 // Adds one half of the rectangle less the cut-out, as polygons on both faces of the wall.
 static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *cutout, double u0, double u1,
-                              const double *v, int material) {
+                              const double *v, const WallColours *colours) {
     Vec2 corners[4] = {{u0, 0}, {u1, 0}, {u1, f->height}, {u0, f->height}};
     Shape box = shape_of_points(e->scratch, corners, 4);
     GEOSGeometry *half = shape_to_geos(e, &box),
@@ -178,7 +185,7 @@ static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *
                 Vec2 p = piece->points[side == (turn > 0) ? n - 1 - k : k];
                 corner[k] = frame_point(e, f, p.x, p.y, v[side]);
             }
-            building_add_polygon(e->arena, e->b, corner, n, material);
+            building_add_polygon(e->arena, e->b, corner, n, colours->face[side]);
         }
     }
     if (half) GEOSGeom_destroy_r(e->geos, half);
@@ -198,7 +205,7 @@ static void add_intrados(Enclosure *e, const Frame *f, const Shape *cutout, cons
     }
 }
 
-static void add_spandrels(Enclosure *e, int hole, int material) {
+static void add_spandrels(Enclosure *e, int hole, const WallColours *colours) {
     const SketchOpening *s = &e->sketch->openings[hole];
     const Hole *h = &e->holes[hole];
     if (s->cutout_count < 3) return;
@@ -215,9 +222,9 @@ static void add_spandrels(Enclosure *e, int hole, int material) {
     double v[2] = {h->v0 + inset, h->v1 - inset};
     if (g) {
         building_add_object(e->arena, e->b, OBJECT_FRAME, s->name);
-        add_spandrel_half(e, &f, g, 0, middle, v, material);
-        add_spandrel_half(e, &f, g, middle, f.width, v, material);
-        add_intrados(e, &f, &cutout, v, material);
+        add_spandrel_half(e, &f, g, 0, middle, v, colours);
+        add_spandrel_half(e, &f, g, middle, f.width, v, colours);
+        add_intrados(e, &f, &cutout, v, colours->within);
         GEOSGeom_destroy_r(e->geos, g);
     } else {
         Vec3 at = enclose_place(e, h->centre, s->storey);
@@ -227,16 +234,76 @@ static void add_spandrels(Enclosure *e, int hole, int material) {
     }
 }
 
-// Returns the material of each opening's spandrels: [opening_count]. The two faces of a wall may differ, so the spandrels take
-// the material of the wall beside the opening.
-static int *spandrel_colours(Enclosure *e) {
+// An edge of a region's ring.
+typedef struct RingEdge {
+    Vec2 from, to;
+    int region, edge;  // as in Building.edge_material
+} RingEdge;
+
+static int by_ends(const void *a, const void *b) {
+    const RingEdge *p = a, *q = b;
+    const double at[8] = {p->from.x, p->from.y, p->to.x, p->to.y, q->from.x, q->from.y, q->to.x, q->to.y};
+    for (int i = 0; i < 4; i++)
+        if (at[i] != at[4 + i]) return at[i] < at[4 + i] ? -1 : 1;
+    return 0;
+}
+
+static int list_ring_edges(const Building *b, int region, RingEdge *out) {
+    const Region *r = &b->regions[region];
+    int count = 0;
+    for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {
+        const Ring *ring = &b->rings[k];
+        for (int i = 0; i < ring->point_count; i++) {
+            int from = ring->first_point + i, to = ring->first_point + (i + 1) % ring->point_count;
+            out[count++] = (RingEdge){b->points[from], b->points[to], region, from};
+        }
+    }
+    return count;
+}
+
+// A room's wall goes on above and below an opening: where the opening's region borders on the room's, the room knows the colour of the
+// wall's face on that side.
+static void find_face_colours(const Building *b, const Hole *h, const Enclosure *e, const RingEdge *own,
+                              int own_count, const RingEdge *edges, int count, WallColours *out) {
+    for (int i = 0; i < own_count; i++) {
+        RingEdge back = {own[i].to, own[i].from, 0, 0};
+        const RingEdge *beyond = bsearch(&back, edges, (size_t)count, sizeof *edges, by_ends);
+        if (!beyond || b->regions[beyond->region].kind == REGION_OPENING) continue;
+        Vec2 middle = vec2_scale(vec2_add(own[i].from, own[i].to), 0.5),
+             centre = enclose_metres(e, h->centre);
+        double v = ENCLOSE_MM * vec2_dot(vec2_sub(middle, centre), h->n);
+        out->face[fabs(v - h->v1) < fabs(v - h->v0)] = b->edge_material[beyond->edge];
+    }
+}
+
+// The colours of the wall about each opening: [opening_count]. Those of faces are looked for where an opening has spandrels.
+static WallColours *wall_colours(Enclosure *e) {
     const Building *b = e->b;
-    int *colours = ARENA_ARRAY(e->scratch, int, b->opening_count);
-    for (int i = 0; i < b->opening_count; i++) colours[i] = e->sketch->outer_material;
+    WallColours *colours = ARENA_ARRAY(e->scratch, WallColours, b->opening_count + 1);
+    RingEdge *edges = ARENA_ARRAY(e->scratch, RingEdge, b->point_count + 1),
+             *own = ARENA_ARRAY(e->scratch, RingEdge, b->point_count + 1);
+    int count = 0, wanted = 0;
+    const Hole **hole = ARENA_ARRAY(e->scratch, const Hole *, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) {
+        int outer = e->sketch->outer_material;
+        colours[i] = (WallColours){{outer, outer}, outer};
+    }
+    for (int i = 0; i < e->sketch->opening_count; i++) {
+        if (!e->holes[i].used || e->sketch->openings[i].cutout_count < 3) continue;
+        hole[e->holes[i].opening] = &e->holes[i];
+        wanted++;
+    }
+    for (int r = 0; r < b->region_count && wanted > 0; r++) count += list_ring_edges(b, r, edges + count);
+    qsort(edges, (size_t)count, sizeof *edges, by_ends);
     for (int r = b->region_count; r-- > 0;) {
         const Region *region = &b->regions[r];
-        if (region->kind == REGION_OPENING)
-            colours[region->opening] = b->edge_material[b->rings[region->first_ring].first_point];
+        if (region->kind != REGION_OPENING) continue;
+        WallColours *c = &colours[region->opening];
+        int within = b->edge_material[b->rings[region->first_ring].first_point];
+        *c = (WallColours){{within, within}, within};
+        if (!hole[region->opening]) continue;
+        int own_count = list_ring_edges(b, r, own);
+        find_face_colours(b, hole[region->opening], e, own, own_count, edges, count, c);
     }
     return colours;
 }
@@ -441,11 +508,12 @@ void openings_join(Enclosure *e) {
                    .mark = ARENA_ARRAY(e->scratch, bool, e->span_count),
                    .length = ARENA_ARRAY(e->scratch, double, e->b->region_count),
                    .regions = ARENA_ARRAY(e->scratch, int, e->b->region_count)};
-    int *faces = ARENA_ARRAY(e->scratch, int, e->pass.plan.face_count), *colours = spandrel_colours(e);
+    int *faces = ARENA_ARRAY(e->scratch, int, e->pass.plan.face_count);
+    const WallColours *colours = wall_colours(e);
     for (int i = 0; i < e->sketch->opening_count; i++) {
         if (!e->holes[i].used) continue;
         join_opening(e, &flood, i, faces);
         draw_leaves(e, i);
-        add_spandrels(e, i, colours[e->holes[i].opening]);
+        add_spandrels(e, i, &colours[e->holes[i].opening]);
     }
 }

@@ -52,6 +52,37 @@ Test(plan, statements) {
     arena_free(&arena);
 }
 
+// About a passage that is no rectangle each room sees the rest of its own wall, in the colour of that wall.
+Test(plan, spandrels_have_the_colour_of_their_side) {
+    Arena arena = {0};
+    Building b;
+    Error error;
+    cr_assert(
+        plan_read_text(&arena,
+                       "plan 1\nmaterial red #FF0000\nmaterial blue #0000FF\n"
+                       "storey s floor 1 height 3\n"
+                       "room a 0,0 4,0 4,4 0,4 wall 0.2 walls red\n"
+                       "room b 4.2,0 8,0 8,4 4.2,4 wall 0.2 walls blue\n"
+                       "passage p 4.1,2 angle 90 width 1 sill 1 height 1 shape 0,0.5 0.5,0 1,0.5 0.5,1\n",
+                       &b, &error),
+        "%s", error.text);
+    int faces[2] = {0, 0};
+    for (int i = 0; i < b.object_count; i++) {
+        const Object *o = &b.objects[i];
+        for (int k = o->first_polygon; o->kind == OBJECT_FRAME && k < o->first_polygon + o->polygon_count;
+             k++) {
+            const Polygon *p = &b.polygons[k];
+            const Vec3 *v = b.vertices + p->first_vertex;
+            double facing = vec3_cross(vec3_sub(v[1], v[0]), vec3_sub(v[2], v[0])).x;
+            if (v[0].x != v[1].x || v[0].x != v[2].x) continue;
+            cr_expect_str_eq(b.materials[p->material].name, facing > 0 ? "blue" : "red");
+            faces[facing > 0]++;
+        }
+    }
+    cr_expect(faces[0] >= 4 && faces[1] >= 4, "four corners on each side");
+    arena_free(&arena);
+}
+
 // Shapes have the faces they should, facing out: the sum of their areas times normals is zero when closed, and the
 // divergence theorem gives their volume, also turned and mirrored.
 Test(plan, shapes_are_closed) {

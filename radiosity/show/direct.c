@@ -535,7 +535,8 @@ bool direct_show_apart(const Mesh *mesh, const StabForest *forest, const float *
             double most = MOST_ADDED * counts[2] + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (sources && sources->state_count > 0) most *= DOORS_ADD;
             if (solution->gathered && mesh->options.splits)
-                show.parts = reflected_parts(mesh, &nodes, solution, borders, lasting);
+                show.parts = reflected_parts(&(GatherScene){mesh, forest, door_open, solution, NULL}, &nodes,
+                                             threads, borders, lasting);
             good = find_bends_of_doors(&d, &show, &of_mesh);
             for (int e = 0; good && lamps && e < mesh->element_count; e++)
                 d.bends[e] = bend_join(d.bends[e], lamps->bends[e], &of_mesh);

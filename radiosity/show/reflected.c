@@ -31,7 +31,7 @@ enum { RESOLUTION = 40 };
 // Edge nodes of elements of so many m^2 gather, where so much of the view of a patch beside them is close; as many as this share of the
 // patches at most. They look from a point on the way to the middle of their elements, this share of it away: light in the corner itself
 // is seen by a hand's breadth at most. Where more of the view than this meets backs, the point lies within another thing.
-static const double EDGE_AREA = 0.03, EDGE_CLOSE = 0.02, MOST_EDGES = 1.25, EDGE_IN = 0.3, EDGE_BACKS = 0.02;
+static const double EDGE_AREA = 0.02, EDGE_CLOSE = 0.02, MOST_EDGES = 1.25, EDGE_IN = 0.3, EDGE_BACKS = 0.02;
 // Nodes whose elements make this angle or more have light on all sides, radians.
 static const double ALL_AROUND = 2 * M_PI - 0.1;
 // Middles of parts nearer than this are one, metres.
@@ -84,8 +84,10 @@ typedef struct Steps {
     double *light;                   // [element_count] W/m^2, the sum of the channels
     double (*value)[3], (*rest)[3];  // [element_count] of reconstruct_values
     float (*worst)[2];               // [element_count] along each axis
-    float *apart;                    // [element_count] how far shots say that its light is from its patch's
-    const Borders *borders;          // or NULL
+    float (
+        *edge)[2];  // [element_count] how far the light beside an edge is off the middle's, along each axis
+    float *apart;   // [element_count] how far shots say that its light is from its patch's
+    const Borders *borders;  // or NULL
 } Steps;
 
 static void find_shown_light(Steps *s, Arena *arena) {
@@ -161,9 +163,12 @@ static double count_parts(const Steps *s, double scale, MeshDepth *out) {
         double rho[3], bend = 0, close = scale * (double)s->solution->close[element->patch];
         rgb_doubles(mesh_material(mesh, element->face)->reflectance, rho);
         for (int c = 0; c < 3; c++) bend += scale * rho[c] * fabs(s->rest[e][c]) / s->light[e];
-        const float *step = s->worst[e];
-        out[e] = (MeshDepth){depth_for(mesh, element, 0, step[0] * 2 < step[1] ? 0 : bend, close),
-                             depth_for(mesh, element, 1, step[1] * 2 < step[0] ? 0 : bend, close)};
+        const float *step = s->worst[e], *edge = s->edge[e];
+        double along[2];
+        for (int axis = 0; axis < 2; axis++)
+            along[axis] = fmax(step[axis] * 2 < step[1 - axis] ? 0 : bend, scale * (double)edge[axis]);
+        out[e] = (MeshDepth){depth_for(mesh, element, 0, along[0], close),
+                             depth_for(mesh, element, 1, along[1], close)};
         if (out[e].x + out[e].y > 0 && mesh_owns(mesh, element->face)) parts += ldexp(1, out[e].x + out[e].y);
     }
     if (s->borders) team_sum(borders_member(s->borders), &parts, 1);
@@ -181,35 +186,6 @@ static double count_whole(const Steps *s, double scale, const ReflectedParts *ou
     }
     if (s->borders) team_sum(borders_member(s->borders), &whole, 1);
     return whole;
-}
-
-ReflectedParts reflected_parts(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
-                               const Borders *borders, Arena *arena) {
-    Arena scratch = {0};
-    RadSolution even = reconstruct_even(mesh, solution, &scratch);
-    Steps s = {.mesh = mesh, .solution = &even, .borders = borders};
-    ReflectedParts out = {ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1),
-                          ARENA_ARRAY(arena, bool, mesh->element_count + 1)};
-    s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
-    s.value = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.value);
-    find_values(mesh, &even, s.value);
-    find_shown_light(&s, &scratch);
-    find_apart(&s, &scratch);
-    double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
-    s.rest = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.rest);
-    reconstruct_values(mesh, nodes, false, s.value, NULL, node, s.rest, NULL);
-    for (int n = 0; n < nodes->count; n++)
-        for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
-            for (int k = i + 1; k < nodes->first[n + 1]; k++)
-                take_step(&s, nodes->element[i], nodes->element[k]);
-    double scale = 1, patches = 0;
-    for (int p = 0; p < mesh->patch_count; p++) patches += mesh_owns(mesh, mesh->patches[p].face);
-    if (borders) team_sum(borders_member(borders), &patches, 1);
-    while (count_parts(&s, scale, out.halved) > MOST_PARTS * patches) scale *= 0.8;
-    scale = 1;
-    while (count_whole(&s, scale, &out) > MOST_APART * patches) scale *= 0.8;
-    arena_free(&scratch);
-    return out;
 }
 
 // ---- light at nodes
@@ -480,7 +456,7 @@ static bool at_edge(const Mesh *mesh, const Nodes *nodes, int n) {
     return angle < ALL_AROUND;
 }
 
-// The largest element at a node, m^2; 0: it is not to gather. `gathers`: elements whose parts do.
+// The largest element at a node, m^2; 0: it is not to gather. `gathers`: elements whose parts do; NULL: none.
 static double edge_area(const GatherScene *scene, const bool *gathers, const Nodes *nodes, int n) {
     const Mesh *mesh = scene->mesh;
     double area = 0, close = 0;
@@ -493,7 +469,7 @@ static double edge_area(const GatherScene *scene, const bool *gathers, const Nod
     }
     bool wanted = owned && area >= EDGE_AREA && close >= EDGE_CLOSE;
     for (int i = nodes->first[n]; wanted && i < nodes->first[n + 1]; i++)
-        if (!gathers[nodes->element[i]]) return at_edge(mesh, nodes, n) ? area : 0;
+        if (!gathers || !gathers[nodes->element[i]]) return at_edge(mesh, nodes, n) ? area : 0;
     return 0;
 }
 
@@ -504,7 +480,7 @@ static void find_edges(const GatherScene *scene, const bool *gathers, const Bord
     Arena scratch = {0};
     double *area = ARENA_ARRAY(&scratch, double, p->own.count + 1), least = EDGE_AREA, counts[2];
     p->edge_of = ARENA_ARRAY(arena, int, p->own.count + 1);
-    for (int n = 0; n < p->own.count; n++) area[n] = gathers ? edge_area(scene, gathers, &p->own, n) : 0;
+    for (int n = 0; n < p->own.count; n++) area[n] = edge_area(scene, gathers, &p->own, n);
     for (;; least *= 1.25) {
         counts[0] = counts[1] = 0;
         for (int n = 0; n < p->own.count; n++) counts[0] += area[n] >= least;
@@ -542,7 +518,10 @@ static ReflectedPlaces *places_of(const GatherScene *scene, const bool *gathers,
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
             p->anew[nodes->of_corner[c]] = true;
     }
-    find_edges(scene, gathers, borders, p, arena);
+    if (gathers) find_edges(scene, gathers, borders, p, arena);
+    if (!gathers)
+        p->edge_of =
+            memset(ARENA_ARRAY(arena, int, p->own.count + 1), -1, (size_t)p->own.count * sizeof(int));
     p->count = p->part_count + p->edge_count;
     p->which = ARENA_ARRAY(arena, int, p->count + 1);
     p->inside = ARENA_ARRAY(arena, bool, p->count + 1);
@@ -644,8 +623,8 @@ static void light_corners(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
         memcpy(p->corner[which][i], p->node[which][p->own.of_corner[i]], sizeof *p->corner[which]);
 }
 
-// The light of an edge node: as it has gathered it, and of strong patches as it is between the node and the middle of its elements. Where no
-// light reaches the elements, and within another thing, the node keeps what the planes say.
+// The light of an edge node: as it has gathered it, and of strong patches as it is between the node and the middle of its elements. Where
+// no light reaches the elements, and within another thing, the node keeps what the planes say.
 static void light_edge(const GatherScene *scene, ReflectedPlaces *p, int i) {
     const Mesh *mesh = scene->mesh;
     const Nodes *own = &p->own;
@@ -664,6 +643,78 @@ static void light_edge(const GatherScene *scene, ReflectedPlaces *p, int i) {
         for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
             if (own->of_corner[c] == n) memcpy(p->corner[0][c], p->node[0][n], sizeof *p->corner[0]);
     }
+}
+
+// How far light beside edges is off that of the elements there.
+static void find_edge_steps(Steps *s, const GatherScene *scene, const Nodes *nodes, int threads,
+                            Arena *arena) {
+    const Mesh *mesh = s->mesh;
+    ReflectedPlaces p = {.own = *nodes, .coarse = s->value};
+    s->edge = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *s->edge);
+    find_edges(scene, NULL, s->borders, &p, arena);
+    p.count = p.edge_count;
+    p.which = ARENA_ARRAY(arena, int, p.count + 1);
+    p.inside = ARENA_ARRAY(arena, bool, p.count + 1);
+    p.gathered = arena_alloc(arena, (size_t)p.count + 1, sizeof *p.gathered);
+    for (int i = 0; i < 2; i++) {
+        p.node[i] = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *p.node[i]);
+        p.corner[i] = arena_alloc(arena, (size_t)mesh->corner_count + 1, sizeof *p.corner[i]);
+    }
+    for (int i = 0; i < p.count; i++) p.which[i] = i;
+    RadSolution weak = weak_light(mesh, scene->solution, arena);
+    GatherScene weak_scene = *scene;
+    weak_scene.solution = &weak;
+    reconstruct_values(mesh, nodes, true, scene->solution->sent, NULL, p.node[1], NULL, NULL);
+    gather_parts(&weak_scene, mesh, &p, p.count, threads, NULL, NULL);
+    for (int i = 0; i < p.count; i++) {
+        int n = p.edge[i], around;
+        Vec3 in = vec3_sub(place_of(&p, mesh, mesh, i, &around), mesh->vertices[nodes->vertex[n]]);
+        light_edge(scene, &p, i);
+        if (!(rgb_sum(p.node[0][n]) > 0)) continue;
+        for (int k = nodes->first[n]; k < nodes->first[n + 1]; k++) {
+            int e = nodes->element[k];
+            const Face *face = &mesh->faces[mesh->elements[e].face];
+            double rho[3], step = 0;
+            rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
+            for (int c = 0; c < 3; c++) step += rho[c] * fabs(p.node[0][n][c] - s->value[e][c]);
+            // The way in from the edge, which is the mean of those to the middles, is across it.
+            int axis =
+                fabs(vec3_dot(vec3_normalize(face->gy), in)) > fabs(vec3_dot(vec3_normalize(face->gx), in));
+            s->edge[e][axis] = fmaxf(s->edge[e][axis], (float)(step / s->light[e]));
+        }
+    }
+}
+
+ReflectedParts reflected_parts(const GatherScene *scene, const Nodes *nodes, int threads,
+                               const Borders *borders, Arena *arena) {
+    Arena scratch = {0};
+    const Mesh *mesh = scene->mesh;
+    const RadSolution *solution = scene->solution;
+    RadSolution even = reconstruct_even(mesh, solution, &scratch);
+    Steps s = {.mesh = mesh, .solution = &even, .borders = borders};
+    ReflectedParts out = {ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1),
+                          ARENA_ARRAY(arena, bool, mesh->element_count + 1)};
+    s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
+    s.value = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.value);
+    find_values(mesh, &even, s.value);
+    find_shown_light(&s, &scratch);
+    find_apart(&s, &scratch);
+    find_edge_steps(&s, scene, nodes, threads, &scratch);
+    double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
+    s.rest = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.rest);
+    reconstruct_values(mesh, nodes, false, s.value, NULL, node, s.rest, NULL);
+    for (int n = 0; n < nodes->count; n++)
+        for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
+            for (int k = i + 1; k < nodes->first[n + 1]; k++)
+                take_step(&s, nodes->element[i], nodes->element[k]);
+    double scale = 1, patches = 0;
+    for (int p = 0; p < mesh->patch_count; p++) patches += mesh_owns(mesh, mesh->patches[p].face);
+    if (borders) team_sum(borders_member(borders), &patches, 1);
+    while (count_parts(&s, scale, out.halved) > MOST_PARTS * patches) scale *= 0.8;
+    scale = 1;
+    while (count_whole(&s, scale, &out) > MOST_APART * patches) scale *= 0.8;
+    arena_free(&scratch);
+    return out;
 }
 
 bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *shown, const Nodes *nodes,

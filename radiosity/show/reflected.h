@@ -14,7 +14,7 @@ typedef struct ReflectedParts {
     bool *gathers;
 } ReflectedParts;
 // The solution must be `gathered`. `borders`: of a part of the building, or NULL.
-ReflectedParts reflected_parts(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution,
+ReflectedParts reflected_parts(const GatherScene *scene, const Nodes *nodes, int threads,
                                const Borders *borders, Arena *arena);
 
 // Rows of the parts at which light is gathered, kept by a caller who gathers light of several solutions on one mesh. Start with all zeros,

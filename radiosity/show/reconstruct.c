@@ -22,6 +22,9 @@ static const double MOST_NOISE = 8;
 static const double NEAREST = 1e-18;
 // Elements smaller than this share of the mean of those around them are slivers: elements of neighbouring sizes are not, of 1 to 4.
 static const double SLIVER = 0.25;
+// Elements so much narrower than the widest at a node say nothing there: a strip of a centimetre behind a frame's edge, whose middle is
+// next to the node, would darken a hand's breadth of what lies before the edge.
+static const double NARROW = 0.15;
 // The rest laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
 static const double MOST_REST = 0.2;
 // A unit that has less than this share of the mean value is covered: in cracks light may be the rounding of what was given and taken back.
@@ -35,6 +38,7 @@ static const double NO_SPREAD = 1e-6;
 typedef struct Around {
     int unit;
     double x, y, weight;
+    double width;  // metres; of a patch 1
     double factor;
 } Around;
 
@@ -126,6 +130,16 @@ static Vec3 unit_centre(const Fit *fit, int unit) {
     return fit->of_patches ? fit->mesh->patches[unit].centre : element_centroid(fit->mesh, unit);
 }
 
+// The area of an element over its length.
+static double width_of(const Mesh *mesh, int element) {
+    const Element *e = &mesh->elements[element];
+    Vec3 middle = element_centroid(mesh, element);
+    double reach = 0;
+    for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+        reach = fmax(reach, vec3_length(vec3_sub(mesh->vertices[mesh->corners[c]], middle)));
+    return reach > 0 ? e->area / (2 * reach) : 0;
+}
+
 static void take_unit(Fit *fit, int node, int element) {
     const Nodes *nodes = fit->nodes;
     const Element *e = &fit->mesh->elements[element];
@@ -137,7 +151,11 @@ static void take_unit(Fit *fit, int node, int element) {
     Vec3 p = vec3_sub(unit_centre(fit, unit), fit->mesh->vertices[nodes->vertex[node]]);
     double square = vec3_dot(p, p);
     *ARENA_PUSH(&fit->scratch, fit->around, fit->count, fit->capacity) =
-        (Around){unit, vec3_dot(fit->x, p), vec3_dot(fit->y, p), 1 / fmax(square, NEAREST), 0};
+        (Around){.unit = unit,
+                 .x = vec3_dot(fit->x, p),
+                 .y = vec3_dot(fit->y, p),
+                 .weight = 1 / fmax(square, NEAREST),
+                 .width = fit->of_patches ? 1 : width_of(fit->mesh, unit)};
 }
 
 static void take_around(Fit *fit, int node, int element) {
@@ -148,6 +166,16 @@ static void take_around(Fit *fit, int node, int element) {
         for (int i = nodes->first[other]; i < nodes->first[other + 1]; i++)
             take_unit(fit, node, nodes->element[i]);
     }
+}
+
+// `own`: the first so many meet at the node.
+static void leave_narrow(Fit *fit, int own) {
+    double widest = 0;
+    int kept = 0;
+    for (int i = 0; i < own; i++) widest = fmax(widest, fit->around[i].width);
+    for (int i = 0; i < fit->count; i++)
+        if (fit->around[i].width >= NARROW * widest) fit->around[kept++] = fit->around[i];
+    fit->count = kept;
 }
 
 // Those that meet at the node; with `wide`, those that meet at any of their nodes.
@@ -164,6 +192,7 @@ static void collect(Fit *fit, int node, bool wide) {
         for (int i = 0; i < (patch ? patch->element_count : 1); i++)
             take_around(fit, node, patch ? patch->first_element + i : unit);
     }
+    leave_narrow(fit, own);
 }
 
 // ---- the fit

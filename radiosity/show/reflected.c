@@ -84,9 +84,8 @@ typedef struct Steps {
     double *light;                   // [element_count] W/m^2, the sum of the channels
     double (*value)[3], (*rest)[3];  // [element_count] of reconstruct_values
     float (*worst)[2];               // [element_count] along each axis
-    float (
-        *edge)[2];  // [element_count] how far the light beside an edge is off the middle's, along each axis
-    float *apart;   // [element_count] how far shots say that its light is from its patch's
+    float (*edge)[2];        // [element_count] light beside an edge less that of the middle, along each axis
+    float *apart;            // [element_count] how far shots say that its light is from its patch's
     const Borders *borders;  // or NULL
 } Steps;
 

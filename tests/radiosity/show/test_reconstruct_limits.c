@@ -148,6 +148,32 @@ Test(reconstruct, slivers_are_not_believed) {
     arena_free(&hand.arena);
 }
 
+// Proves that a narrow strip does not darken what lies beside it: a floor of squares of 10 W/m^2 has a border a tenth of a square wide of
+// 1 W/m^2. Where the two meet light is that of the squares, at the outer side that of the strip. Light that is linear in between shows 4.5
+// too much of the strip in the mean; up to a fifth of that is taken back at its nodes, of which those of the strip alone have the most.
+Test(reconstruct, narrow_strips_darken_nothing_beside_them) {
+    Hand hand;
+    reconstruct_hand_start(&hand);
+    for (int i = 0; i < 16; i++) reconstruct_hand_square(&hand, i % 4, i / 4, 1, 0);
+    for (int i = 0; i < 4; i++)
+        reconstruct_hand_add(&hand, (Vec3[]){{4, i, 0}, {4.1, i, 0}, {4.1, i + 1, 0}, {4, i + 1, 0}}, 4, 0,
+                             1);
+    reconstruct_hand_finish(&hand);
+    const Mesh *mesh = &hand.mesh;
+    Nodes nodes = nodes_of(mesh, &hand.arena);
+    double(*value)[3] = arena_alloc(&hand.arena, (size_t)mesh->element_count, sizeof *value),
+    (*out)[3] = arena_alloc(&hand.arena, (size_t)nodes.count, sizeof *out);
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int c = 0; c < 3; c++) value[e][c] = e < 16 ? 10 : 1;
+    reconstruct_values(mesh, &nodes, false, value, NULL, out, NULL, NULL);
+    for (int n = 0; n < nodes.count; n++) {
+        double x = mesh->vertices[nodes.vertex[n]].x;
+        double most = x > 4.05 ? 1 : 10, least = most - 4.5 / 5;
+        cr_expect(out[n][0] <= most + 1e-9 && out[n][0] >= least - 1e-9, "%g at x = %g", out[n][0], x);
+    }
+    arena_free(&hand.arena);
+}
+
 // Proves what a peak looks like: of equal squares, one of 100 W/m^2 among dark ones, its corners are the mean of the four around them
 // and of what that leaves over no more than a fifth.
 Test(reconstruct, a_peak_in_closed_form) {

@@ -28,10 +28,12 @@ static const double MOST_PARTS = 0.9, MOST_APART = 0.5;
 static const double DARK = 0.01;
 // Directions each way of the rows of parts.
 enum { RESOLUTION = 40 };
-// Edge nodes of elements of so many m^2 gather, where so much of the view of a patch beside them is close; as many as this share of the
-// patches at most. They look from a point on the way to the middle of their elements, this share of it away: light in the corner itself
-// is seen by a hand's breadth at most. Where more of the view than this meets backs, the point lies within another thing.
-static const double EDGE_AREA = 0.02, EDGE_CLOSE = 0.02, MOST_EDGES = 1.25, EDGE_IN = 0.3, EDGE_BACKS = 0.02;
+// Edge nodes of elements of so many m^2 gather, and of parts of so many, where so much of the view of a patch beside them is close; as
+// many of both as this share of the patches at most. They look from a point on the way to the middle of their elements, this share of it
+// away: light in the corner itself is seen by a hand's breadth at most. Where more of the view than this meets backs, the point lies within
+// another thing.
+static const double EDGE_AREA[] = {0.02, 0.005}, EDGE_CLOSE = 0.02, MOST_EDGES = 1.25, EDGE_IN = 0.3,
+                    EDGE_BACKS = 0.02;
 // Nodes whose elements make this angle or more have light on all sides, radians.
 static const double ALL_AROUND = 2 * M_PI - 0.1;
 // Middles of parts nearer than this are one, metres.
@@ -189,17 +191,25 @@ static double count_whole(const Steps *s, double scale, const ReflectedParts *ou
 
 // ---- light at nodes
 
+// Nodes at edges of faces that gather light by themselves.
+typedef struct Edges {
+    int count;
+    int *node;             // [count]
+    int *vertex;           // [count] as Nodes.vertex
+    int *first, *element;  // [count + 1] in `element`: those that meet at each
+    int *of;               // [nodes] the index in `node`, -1
+} Edges;
+
 // Where light is found that is shown on a finer mesh, the same for all light; and what the last light was there, if it is `kept`.
 typedef struct ReflectedPlaces {
-    Nodes own;                          // of the mesh that light was found on
-    int *triangle;                      // of its elements
-    int *in;                            // [shown->element_count] the element around each
-    int *part;                          // [part_count] elements that gather light by themselves
-    int *edge;                          // [edge_count] own nodes that do
-    int *edge_of;                       // [own.count] the index in `edge`, -1
-    int part_count, edge_count, count;  // all that gather are parts first, then edges
-    bool *anew;                         // [nodes of the finer mesh] of parts
-    int *which;                         // [count] those that gather now
+    Nodes own;              // of the mesh that light was found on
+    int *triangle;          // of its elements
+    int *in;                // [shown->element_count] the element around each
+    int *part;              // [part_count] elements that gather light by themselves
+    Edges edge[2];          // own nodes that do where no parts do, and nodes of parts on the finer mesh
+    int part_count, count;  // all that gather are parts first, then edges of both kinds
+    bool *anew;             // [nodes of the finer mesh] of parts
+    int *which;             // [count] those that gather now
     // Values of the elements, and what strong patches send to the patches: at the elements, at own nodes and at corners.
     double (*coarse)[3], (*node[2])[3], (*corner[2])[3];
     double (*gathered)[3];  // [count] without what strong patches send
@@ -224,17 +234,25 @@ typedef struct Parts {
     PartRows *kept;        // or NULL
 } Parts;
 
+// The first edge of a kind among all that gather.
+static int first_edge(const ReflectedPlaces *p, int kind) {
+    return p->part_count + (kind == 0 ? 0 : p->edge[0].count);
+}
+
 // Where one of those that gather looks from, and the element of the mesh that light was found on around it.
 static Vec3 place_of(const ReflectedPlaces *p, const Mesh *mesh, const Mesh *shown, int i, int *around) {
     if (i < p->part_count) {
         *around = p->in[p->part[i]];
         return element_centroid(shown, p->part[i]);
     }
-    int n = p->edge[i - p->part_count], first = p->own.first[n], end = p->own.first[n + 1];
-    Vec3 node = mesh->vertices[p->own.vertex[n]], middle = {0, 0, 0};
-    for (int k = first; k < end; k++) middle = vec3_add(middle, element_centroid(mesh, p->own.element[k]));
-    *around = p->own.element[first];
-    return vec3_lerp(node, vec3_scale(middle, 1.0 / (end - first)), EDGE_IN);
+    int kind = i >= first_edge(p, 1), k = i - first_edge(p, kind);
+    const Edges *edges = &p->edge[kind];
+    const Mesh *of = kind == 0 ? mesh : shown;
+    Vec3 middle = {0, 0, 0};
+    int first = edges->first[k], end = edges->first[k + 1];
+    for (int j = first; j < end; j++) middle = vec3_add(middle, element_centroid(of, edges->element[j]));
+    *around = kind == 0 ? edges->element[first] : p->in[edges->element[first]];
+    return vec3_lerp(of->vertices[edges->vertex[k]], vec3_scale(middle, 1.0 / (end - first)), EDGE_IN);
 }
 
 static void gather_place(void *context, int index, int thread) {
@@ -302,40 +320,31 @@ static GatherRow copy_row(const GatherRow *row, int words, Arena *arena) {
     return out;
 }
 
-static void take_row(PartRows *rows, int i, const PartRows *before, int k) {
-    rows->row[i] = copy_row(&before->row[k], viewer_door_words(rows->shown), &rows->kept[0]);
-    rows->row[i].sky =
-        sky_parts_light(rows->row[i].sky_part, rows->row[i].sky_part_count, &rows->solution.day);
-    rows->leaf[i] = before->leaf[k];
-    rows->there[i] = true;
-}
-
-// Takes over the rows of parts and edges that are the same on the mesh that showed light before, under the day at hand.
+// Takes over the rows of those that look from the same places as on the mesh that showed light before, under the day at hand.
 static void take_rows(PartRows *rows, const PartRows *before) {
     const ReflectedPlaces *to = rows->places, *from = before->places;
+    const Mesh *mesh = rows->scene.mesh;
     Arena scratch = {0};
     if (!from) return;
-    int elements = rows->scene.mesh->element_count;
-    int *first = ARENA_ARRAY(&scratch, int, elements + 1),
-        *next = ARENA_ARRAY(&scratch, int, from->part_count + 1);
-    for (int e = 0; e < elements; e++) first[e] = -1;
-    for (int i = from->part_count - 1; i >= 0; i--) {
-        int in = from->in[from->part[i]];
-        next[i] = first[in];
-        first[in] = before->there[i] ? i : next[i];
+    int *first = ARENA_ARRAY(&scratch, int, mesh->element_count + 1),
+        *next = ARENA_ARRAY(&scratch, int, from->count + 1), around;
+    Vec3 *place = ARENA_ARRAY(&scratch, Vec3, from->count + 1);
+    for (int e = 0; e < mesh->element_count; e++) first[e] = -1;
+    for (int i = from->count - 1; i >= 0; i--) {
+        place[i] = place_of(from, mesh, before->shown, i, &around);
+        next[i] = first[around];
+        first[around] = before->there[i] ? i : next[i];
     }
-    for (int i = 0; i < to->part_count; i++) {
-        Vec3 middle = element_centroid(rows->shown, to->part[i]);
-        for (int k = first[to->in[to->part[i]]]; k >= 0; k = next[k]) {
-            if (vec3_length(vec3_sub(element_centroid(before->shown, from->part[k]), middle)) > SAME_PLACE)
-                continue;
-            take_row(rows, i, before, k);
-            break;
-        }
-    }
-    for (int i = to->part_count; i < to->count; i++) {
-        int edge = from->edge_of[to->edge[i - to->part_count]], k = from->part_count + edge;
-        if (edge >= 0 && before->there[k]) take_row(rows, i, before, k);
+    for (int i = 0; i < to->count; i++) {
+        Vec3 at = place_of(to, mesh, rows->shown, i, &around);
+        int k = first[around];
+        while (k >= 0 && vec3_length(vec3_sub(place[k], at)) > SAME_PLACE) k = next[k];
+        if (k < 0) continue;
+        GatherRow *row = &rows->row[i];
+        *row = copy_row(&before->row[k], viewer_door_words(rows->shown), &rows->kept[0]);
+        row->sky = sky_parts_light(row->sky_part, row->sky_part_count, &rows->solution.day);
+        rows->leaf[i] = before->leaf[k];
+        rows->there[i] = true;
     }
     arena_free(&scratch);
 }
@@ -455,44 +464,78 @@ static bool at_edge(const Mesh *mesh, const Nodes *nodes, int n) {
     return angle < ALL_AROUND;
 }
 
-// The largest element at a node, m^2; 0: it is not to gather. `gathers`: elements whose parts do; NULL: none.
-static double edge_area(const GatherScene *scene, const bool *gathers, const Nodes *nodes, int n) {
-    const Mesh *mesh = scene->mesh;
+// Where nodes are looked for that are to gather.
+typedef struct EdgeSearch {
+    const GatherScene *scene;
+    const Mesh *mesh;  // whose nodes they are
+    const Nodes *nodes;
+    const int *
+        in;  // [element_count] the element around each of the mesh that light was found on; NULL: that mesh itself
+    const bool *but_of;  // [element_count] nodes of these alone are left out; NULL: none
+    const bool *wanted;  // [nodes->count]; NULL: all
+    double least;        // area of an element, m^2
+    const Borders *borders;
+} EdgeSearch;
+
+// The largest element at a node, m^2; 0: the node is not to gather.
+static double edge_area(const EdgeSearch *s, int n) {
+    const Mesh *mesh = s->mesh;
     double area = 0, close = 0;
-    bool owned = false;
-    for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++) {
-        const Element *e = &mesh->elements[nodes->element[i]];
-        area = fmax(area, e->area);
-        close = fmax(close, (double)scene->solution->close[e->patch]);
-        owned = owned || mesh_owns(mesh, e->face);
+    bool owned = false, all_left = s->but_of != NULL;
+    if (s->wanted && !s->wanted[n]) return 0;
+    for (int i = s->nodes->first[n]; i < s->nodes->first[n + 1]; i++) {
+        int e = s->nodes->element[i], around = s->in ? s->in[e] : e;
+        area = fmax(area, mesh->elements[e].area);
+        close = fmax(close, (double)s->scene->solution->close[s->scene->mesh->elements[around].patch]);
+        owned = owned || mesh_owns(mesh, mesh->elements[e].face);
+        all_left = all_left && s->but_of[e];
     }
-    bool wanted = owned && area >= EDGE_AREA && close >= EDGE_CLOSE;
-    for (int i = nodes->first[n]; wanted && i < nodes->first[n + 1]; i++)
-        if (!gathers || !gathers[nodes->element[i]]) return at_edge(mesh, nodes, n) ? area : 0;
-    return 0;
+    bool gathers = owned && !all_left && area >= s->least && close >= EDGE_CLOSE;
+    return gathers && at_edge(mesh, s->nodes, n) ? area : 0;
 }
 
-// Edge nodes of large elements first, as many as may gather.
-static void find_edges(const GatherScene *scene, const bool *gathers, const Borders *borders,
-                       ReflectedPlaces *p, Arena *arena) {
-    const Mesh *mesh = scene->mesh;
+// Those of large elements first, as many as may gather.
+static Edges find_edges(const EdgeSearch *s, Arena *arena) {
+    const Nodes *nodes = s->nodes;
+    const Mesh *mesh = s->scene->mesh;
     Arena scratch = {0};
-    double *area = ARENA_ARRAY(&scratch, double, p->own.count + 1), least = EDGE_AREA, counts[2];
-    p->edge_of = ARENA_ARRAY(arena, int, p->own.count + 1);
-    for (int n = 0; n < p->own.count; n++) area[n] = edge_area(scene, gathers, &p->own, n);
+    double *area = ARENA_ARRAY(&scratch, double, nodes->count + 1), least = s->least, counts[2];
+    Edges out = {.of = ARENA_ARRAY(arena, int, nodes->count + 1)};
+    for (int n = 0; n < nodes->count; n++) area[n] = edge_area(s, n);
     for (;; least *= 1.25) {
         counts[0] = counts[1] = 0;
-        for (int n = 0; n < p->own.count; n++) counts[0] += area[n] >= least;
+        for (int n = 0; n < nodes->count; n++) counts[0] += area[n] >= least;
         for (int i = 0; i < mesh->patch_count; i++) counts[1] += mesh_owns(mesh, mesh->patches[i].face);
-        if (borders) team_sum(borders_member(borders), counts, 2);
+        if (s->borders) team_sum(borders_member(s->borders), counts, 2);
         if (counts[0] <= MOST_EDGES * counts[1]) break;
     }
-    p->edge = ARENA_ARRAY(arena, int, p->own.count + 1);
-    for (int n = 0; n < p->own.count; n++) {
-        p->edge_of[n] = area[n] >= least ? p->edge_count : -1;
-        if (area[n] >= least) p->edge[p->edge_count++] = n;
+    int elements = 0;
+    for (int n = 0; n < nodes->count; n++) {
+        bool gathers = area[n] >= least;
+        out.of[n] = gathers ? out.count : -1;
+        out.count += gathers;
+        elements += gathers ? nodes->first[n + 1] - nodes->first[n] : 0;
+    }
+    out.node = ARENA_ARRAY(arena, int, out.count + 1);
+    out.vertex = ARENA_ARRAY(arena, int, out.count + 1);
+    out.first = ARENA_ARRAY(arena, int, out.count + 1);
+    out.element = ARENA_ARRAY(arena, int, elements + 1);
+    for (int n = 0; n < nodes->count; n++) {
+        int k = out.of[n], count = nodes->first[n + 1] - nodes->first[n];
+        if (k < 0) continue;
+        out.node[k] = n;
+        out.vertex[k] = nodes->vertex[n];
+        out.first[k + 1] = out.first[k] + count;
+        memcpy(out.element + out.first[k], nodes->element + nodes->first[n], (size_t)count * sizeof(int));
     }
     arena_free(&scratch);
+    return out;
+}
+
+static Edges no_edges(const Nodes *nodes, Arena *arena) {
+    Edges out = {.of = ARENA_ARRAY(arena, int, nodes->count + 1)};
+    for (int n = 0; n < nodes->count; n++) out.of[n] = -1;
+    return out;
 }
 
 static ReflectedPlaces *places_of(const GatherScene *scene, const bool *gathers, const Mesh *shown,
@@ -517,11 +560,22 @@ static ReflectedPlaces *places_of(const GatherScene *scene, const bool *gathers,
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++)
             p->anew[nodes->of_corner[c]] = true;
     }
-    if (gathers) find_edges(scene, gathers, borders, p, arena);
-    if (!gathers)
-        p->edge_of =
-            memset(ARENA_ARRAY(arena, int, p->own.count + 1), -1, (size_t)p->own.count * sizeof(int));
-    p->count = p->part_count + p->edge_count;
+    EdgeSearch of_own = {.scene = scene,
+                         .mesh = mesh,
+                         .nodes = &p->own,
+                         .but_of = gathers,
+                         .least = EDGE_AREA[0],
+                         .borders = borders},
+               of_parts = {.scene = scene,
+                           .mesh = shown,
+                           .nodes = nodes,
+                           .in = p->in,
+                           .wanted = p->anew,
+                           .least = EDGE_AREA[1],
+                           .borders = borders};
+    p->edge[0] = gathers ? find_edges(&of_own, arena) : no_edges(&p->own, arena);
+    p->edge[1] = gathers ? find_edges(&of_parts, arena) : no_edges(nodes, arena);
+    p->count = p->part_count + p->edge[0].count + p->edge[1].count;
     p->which = ARENA_ARRAY(arena, int, p->count + 1);
     p->inside = ARENA_ARRAY(arena, bool, p->count + 1);
     p->coarse = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *p->coarse);
@@ -627,7 +681,7 @@ static void light_corners(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
 static void light_edge(const GatherScene *scene, ReflectedPlaces *p, int i) {
     const Mesh *mesh = scene->mesh;
     const Nodes *own = &p->own;
-    int n = p->edge[i - p->part_count], first = own->first[n], end = own->first[n + 1];
+    int n = p->edge[0].node[i - p->part_count], first = own->first[n], end = own->first[n + 1];
     double light = 0, sent[3] = {0, 0, 0};
     for (int k = first; k < end; k++) {
         const double *by_strong = scene->solution->sent[mesh->elements[own->element[k]].patch];
@@ -644,14 +698,31 @@ static void light_edge(const GatherScene *scene, ReflectedPlaces *p, int i) {
     }
 }
 
+// The same of an edge node of parts, into `out` [nodes of the finer mesh].
+static void light_part_edge(const GatherScene *scene, const Mesh *shown, const ReflectedPlaces *p, int i,
+                            double (*out)[3]) {
+    const Edges *edges = &p->edge[1];
+    const VertexLight by_strong = {.corner = p->corner[1], .triangle = p->triangle};
+    int k = i - first_edge(p, 1), around;
+    double light = 0, strong[3];
+    for (int j = edges->first[k]; j < edges->first[k + 1]; j++)
+        light += rgb_sum(p->coarse[p->in[edges->element[j]]]);
+    if (p->inside[i] || !(light > 0)) return;
+    Vec3 at = place_of(p, scene->mesh, shown, i, &around);
+    reconstruct_in(scene->mesh, &by_strong, around, at, strong);
+    for (int c = 0; c < 3; c++) out[edges->node[k]][c] = p->gathered[i][c] + fmax(strong[c], 0);
+}
+
 // How far light beside edges is off that of the elements there.
 static void find_edge_steps(Steps *s, const GatherScene *scene, const Nodes *nodes, int threads,
                             Arena *arena) {
     const Mesh *mesh = s->mesh;
     ReflectedPlaces p = {.own = *nodes, .coarse = s->value};
     s->edge = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *s->edge);
-    find_edges(scene, NULL, s->borders, &p, arena);
-    p.count = p.edge_count;
+    EdgeSearch all = {
+        .scene = scene, .mesh = mesh, .nodes = nodes, .least = EDGE_AREA[0], .borders = s->borders};
+    p.edge[0] = find_edges(&all, arena);
+    p.count = p.edge[0].count;
     p.which = ARENA_ARRAY(arena, int, p.count + 1);
     p.inside = ARENA_ARRAY(arena, bool, p.count + 1);
     p.gathered = arena_alloc(arena, (size_t)p.count + 1, sizeof *p.gathered);
@@ -666,7 +737,7 @@ static void find_edge_steps(Steps *s, const GatherScene *scene, const Nodes *nod
     reconstruct_values(mesh, nodes, true, scene->solution->sent, NULL, p.node[1], NULL, NULL);
     gather_parts(&weak_scene, mesh, &p, p.count, threads, NULL, NULL);
     for (int i = 0; i < p.count; i++) {
-        int n = p.edge[i], around;
+        int n = p.edge[0].node[i], around;
         Vec3 in = vec3_sub(place_of(&p, mesh, mesh, i, &around), mesh->vertices[nodes->vertex[n]]);
         light_edge(scene, &p, i);
         if (!(rgb_sum(p.node[0][n]) > 0)) continue;
@@ -747,7 +818,7 @@ bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *
     weak_scene.solution = &weak;
     for (int i = 0; i < places->count; i++) places->which[i] = i;
     bool go_on = gather_parts(&weak_scene, shown, places, places->count, threads, kept, progress);
-    for (int i = places->part_count; i < places->count && go_on; i++) light_edge(scene, places, i);
+    for (int i = first_edge(places, 0); i < first_edge(places, 1) && go_on; i++) light_edge(scene, places, i);
     Between between = between_of(mesh, shown, nodes, places, out);
     parallel_for(workers, times(shown->element_count), light_middles, &between);
     if (borders) {
@@ -758,6 +829,8 @@ bool reflected_nodes(const GatherScene *scene, const bool *gathers, const Mesh *
         reconstruct_values(shown, nodes, false, places->value, places->anew, out, NULL,
                            places->kept ? &places->parts : NULL);
     parallel_for(workers, times(nodes->count), light_nodes, &between);
+    for (int i = first_edge(places, 1); i < places->count && go_on; i++)
+        light_part_edge(scene, shown, places, i, out);
     places->whole = go_on;
     arena_free(&scratch);
     return go_on;
@@ -773,7 +846,7 @@ static void corners_again(const Mesh *mesh, ReflectedPlaces *p, int which, doubl
     reconstruct_values_again(mesh, own, which == 1, value, NULL, &p->changed[which], p->node[which], fits);
     for (int i = 0; i < fits->nodes.count; i++) {
         int n = fits->nodes.of[i];
-        if (p->edge_of[n] >= 0) marks_add(&p->again, p->part_count + p->edge_of[n]);
+        if (p->edge[0].of[n] >= 0) marks_add(&p->again, first_edge(p, 0) + p->edge[0].of[n]);
         for (int k = own->first[n]; k < own->first[n + 1]; k++) {
             const Element *e = &mesh->elements[own->element[k]];
             marks_add(&p->around, own->element[k]);
@@ -790,8 +863,29 @@ static void mark_around(ReflectedPlaces *p, int i) {
         marks_add(&p->around, p->in[p->part[i]]);
         return;
     }
-    int n = p->edge[i - p->part_count];
+    int n = p->edge[0].node[i - first_edge(p, 0)];
     for (int k = p->own.first[n]; k < p->own.first[n + 1]; k++) marks_add(&p->around, p->own.element[k]);
+}
+
+// Edge nodes of parts, whose light was found anew from the values of parts, or whose rows were dropped, gather again.
+static bool part_edges_again(const GatherScene *scene, const GatherScene *weak, const Mesh *shown,
+                             PartRows *kept, const Progress *progress, double (*out)[3], Marks *found) {
+    ReflectedPlaces *p = kept->places;
+    const Edges *edges = &p->edge[1];
+    const int first = first_edge(p, 1);
+    marks_clear(&p->again);
+    for (int i = 0; i < p->parts.nodes.count; i++)
+        if (edges->of[p->parts.nodes.of[i]] >= 0)
+            marks_add(&p->again, first + edges->of[p->parts.nodes.of[i]]);
+    for (int i = first; i < p->count; i++)
+        if (!kept->there[i]) marks_add(&p->again, i);
+    for (int i = 0; i < p->again.count; i++) p->which[i] = p->again.of[i];
+    if (!gather_parts(weak, shown, p, p->again.count, 0, kept, progress)) return false;
+    for (int i = 0; i < p->again.count; i++) {
+        light_part_edge(scene, shown, p, p->again.of[i], out);
+        marks_add(found, edges->node[p->again.of[i] - first]);
+    }
+    return true;
 }
 
 bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *nodes, const Marks *changed,
@@ -818,7 +912,7 @@ bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *n
     }
     corners_again(mesh, p, 0, p->coarse);
     corners_again(mesh, p, 1, scene->solution->sent);
-    for (int i = 0; i < p->count; i++) {
+    for (int i = 0; i < first_edge(p, 1); i++) {
         bool part = i < p->part_count && changed->has[mesh->elements[p->in[p->part[i]]].patch];
         if (part || !kept->there[i]) marks_add(&p->again, i);
     }
@@ -848,6 +942,7 @@ bool reflected_again(const GatherScene *scene, const Mesh *shown, const Nodes *n
             marks_add(found, n);
         }
     }
+    go_on = go_on && part_edges_again(scene, &weak_scene, shown, kept, progress, out, found);
     p->whole = go_on;
     arena_free(&scratch);
     return go_on;

@@ -34,6 +34,8 @@ enum { RESOLUTION = 40 };
 // another thing.
 static const double EDGE_AREA[] = {0.02, 0.005}, EDGE_CLOSE = 0.02, MOST_EDGES = 1.25, EDGE_IN = 0.3,
                     EDGE_BACKS = 0.02;
+// So much of what light beside an edge is off the middle counts as bent: linear light between the two shows the rest.
+static const double EDGE_BEND = 0.6;
 // Nodes whose elements make this angle or more have light on all sides, radians.
 static const double ALL_AROUND = 2 * M_PI - 0.1;
 // Middles of parts nearer than this are one, metres.
@@ -167,7 +169,8 @@ static double count_parts(const Steps *s, double scale, MeshDepth *out) {
         const float *step = s->worst[e], *edge = s->edge[e];
         double along[2];
         for (int axis = 0; axis < 2; axis++)
-            along[axis] = fmax(step[axis] * 2 < step[1 - axis] ? 0 : bend, scale * (double)edge[axis]);
+            along[axis] =
+                fmax(step[axis] * 2 < step[1 - axis] ? 0 : bend, EDGE_BEND * scale * (double)edge[axis]);
         out[e] = (MeshDepth){depth_for(mesh, element, 0, along[0], close),
                              depth_for(mesh, element, 1, along[1], close)};
         if (out[e].x + out[e].y > 0 && mesh_owns(mesh, element->face)) parts += ldexp(1, out[e].x + out[e].y);

@@ -38,7 +38,7 @@ static const double EDGE_AREA[] = {0.02, 0.005}, EDGE_CLOSE = 0.02, MOST_EDGES =
 static const double EDGE_BEND = 0.6;
 // Nodes whose elements make this angle or more have light on all sides, radians.
 static const double ALL_AROUND = 2 * M_PI - 0.1;
-// Middles of parts nearer than this are one, metres.
+// Places nearer than this are one, metres.
 static const double SAME_PLACE = 1e-7;
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
